@@ -1,0 +1,43 @@
+// Planar geometry of the driving task. Metres and radians; heading 0 is east (+x), counter-clockwise
+// positive.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace dadrl {
+
+struct Point {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+inline Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y}; }
+inline Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
+inline Point operator*(double s, Point p) { return {s * p.x, s * p.y}; }
+inline double Dot(Point a, Point b) { return a.x * b.x + a.y * b.y; }
+inline double Cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
+inline double Norm(Point p) { return std::hypot(p.x, p.y); }
+
+// Position and direction of a box's centre.
+struct Pose {
+  Point position;
+  double heading = 0.0;
+};
+
+inline Point Forward(double heading) { return {std::cos(heading), std::sin(heading)}; }
+
+// Into (-pi, pi].
+inline double WrapAngle(double angle) {
+  const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
+  return wrapped <= -std::numbers::pi ? wrapped + 2.0 * std::numbers::pi : wrapped;
+}
+
+// `point` of the world in the frame of `frame`: x ahead, y to the left.
+inline Point ToLocal(const Pose& frame, Point point) {
+  const Point d = point - frame.position;
+  const Point f = Forward(frame.heading);
+  return {Dot(d, f), Cross(f, d)};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,66 @@
+# Compiler settings and the three functions every folder uses:
+#   dadrl_library(NAME SOURCES ... LINK ...)     static library dadrl_NAME
+#   dadrl_executable(NAME SOURCES ... LINK ...)  build/<preset>/bin/NAME
+#   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...])  GoogleTest binary, each case registered with CTest
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+find_program(MOLD mold)
+if(MOLD AND NOT DADRL_SANITIZE)
+  add_link_options(-fuse-ld=mold)
+endif()
+
+set(DADRL_SANITIZE "" CACHE STRING "comma separated sanitizers, e.g. address,undefined")
+if(DADRL_SANITIZE)
+  add_compile_options(-fsanitize=${DADRL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${DADRL_SANITIZE})
+endif()
+
+add_library(dadrl_warnings INTERFACE)
+target_compile_options(dadrl_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)
+
+function(dadrl_configure TARGET)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  target_include_directories(${TARGET} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${TARGET} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:dadrl_warnings>)
+endfunction()
+
+function(dadrl_library NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(dadrl_${NAME} STATIC ${ARG_SOURCES})
+  dadrl_configure(dadrl_${NAME} LINK ${ARG_LINK})
+endfunction()
+
+function(dadrl_executable NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${NAME} ${ARG_SOURCES})
+  dadrl_configure(${NAME} LINK ${ARG_LINK})
+endfunction()
+
+function(dadrl_test NAME)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${NAME} ${ARG_SOURCES})
+  dadrl_configure(${NAME} LINK ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  target_compile_definitions(${NAME} PRIVATE DADRL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             DADRL_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
+                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()

@@ -1,0 +1,144 @@
+// The whole configuration of a run as plain structs: defaults here, ranges and explanations in
+// config_schema.cpp, YAML in config_yaml.h. Defaults are the recipe that trains in minutes;
+// deploy/config/paper.yaml holds the paper's.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace dadrl {
+
+enum class TrafficProfile { kCalibrated, kPlain };
+enum class EncoderSharing { kSeparate, kShared };
+enum class PublishedPolicy { kAveraged, kCurrent };
+enum class SamplerKind { kUniform, kPrioritized, kNewestFirst, kOldestFirst };
+enum class SyncMode { kNone, kInterval, kAlways };
+enum class FloatCoding { kFloat32, kFloat16 };
+
+struct TrafficConfig {
+  TrafficProfile profile = TrafficProfile::kCalibrated;
+};
+
+// Signs are part of the weight; see actor/task/reward.h for the terms (paper, section IV).
+struct RewardConfig {
+  double crash = -1.0;
+  double off_road = -1.0;
+  double goal = 3.0;
+  double progress = 2.0;
+  double speed = 0.01;
+  double off_route = -0.01;
+  double wrong_way = -0.01;
+  double slow = -0.2;
+};
+
+struct TaskConfig {
+  int decision_interval = 3;  // simulation steps one action is held
+  int max_steps = 800;        // simulation steps; the limit is a truncation, reported as stagnation
+  double max_speed_mps = 10.0;
+  RewardConfig reward;
+};
+
+struct ObservationConfig {
+  int vehicles = 6;
+  double radius_m = 30.0;
+  int history = 5;         // rows, oldest first, the last is now
+  int history_stride = 5;  // simulation steps between two rows
+};
+
+struct ModelConfig {
+  bool stae = true;
+  bool context = true;
+  EncoderSharing encoders = EncoderSharing::kSeparate;
+  int hidden = 256;
+  bool critic_layer_norm = true;
+  double log_std_min = -5.0;
+  double log_std_max = 2.0;
+};
+
+struct AlgorithmConfig {
+  std::string name = "sac";
+  int batch_size = 64;
+  double gamma = 0.998;  // per decision
+  int n_step = 3;        // decisions
+  double tau = 0.005;
+  double actor_learning_rate = 1e-3;
+  double critic_learning_rate = 1e-3;
+  double temperature_learning_rate = 1e-3;
+  double initial_temperature = 0.05;
+  double target_entropy = -2.0;
+  double average_decay = 0.998;  // of the averaged policy, per update
+};
+
+struct ReplayConfig {
+  int shards = 1;
+  int64_t max_memory_bytes = int64_t{2} << 30;
+  int64_t max_disk_bytes = int64_t{8} << 30;
+  int64_t segment_bytes = int64_t{64} << 20;
+  SyncMode sync = SyncMode::kInterval;
+  double sync_interval_s = 1.0;
+  int64_t min_size = 2000;          // frames before the first sample
+  double samples_per_insert = 8.0;  // sampled transitions per inserted frame; 0: no limit
+  double samples_per_insert_band =
+      0.5;  // tolerated deviation, as a fraction of max(min_size, frames) * ratio
+  SamplerKind sampler = SamplerKind::kUniform;
+  double priority_exponent = 0.6;
+  double importance_exponent = 0.4;
+  int max_times_sampled = 0;  // 0: no limit
+  int max_staleness = 0;      // policy versions; 0: no limit
+};
+
+struct LearnerConfig {
+  int threads = 1;
+  int credits = 3;  // batch requests outstanding
+  double publish_interval_s = 1.0;
+  PublishedPolicy publish = PublishedPolicy::kAveraged;
+  double checkpoint_interval_s = 30.0;
+  int checkpoints_kept = 3;
+  int64_t max_updates = 0;  // 0: until stopped
+};
+
+struct ActorConfig {
+  int count = 1;
+  int64_t random_decisions = 2000;  // of all actors together, before the policy acts
+  int chunk_frames = 64;
+  int64_t max_unacknowledged_bytes = int64_t{64} << 20;
+  FloatCoding floats = FloatCoding::kFloat16;
+};
+
+struct EvaluationConfig {
+  double interval_s = 300.0;  // between two evaluations while training; 0: none
+  int episodes = 40;          // of one evaluation while training
+  int processes = 1;
+};
+
+struct ClusterConfig {
+  std::string host = "127.0.0.1";  // address the replay and the learner are reached at
+  int port = 0;                    // base of the DDS ports; 0: the launcher takes a free one
+  double lease_s = 10.0;           // how long a network cut loses nothing inside DDS
+  double liveliness_s = 1.0;
+  int64_t receive_buffer_bytes = int64_t{4} << 20;
+};
+
+struct TelemetryConfig {
+  bool enabled = true;
+  double interval_s = 1.0;
+};
+
+struct Config {
+  std::string scenario = "left_turn";
+  uint64_t seed = 1;
+  double minutes = 0.0;  // wall time of a training; 0: until stopped
+  TrafficConfig traffic;
+  TaskConfig task;
+  ObservationConfig observation;
+  ModelConfig model;
+  AlgorithmConfig algorithm;
+  ReplayConfig replay;
+  LearnerConfig learner;
+  ActorConfig actor;
+  EvaluationConfig evaluation;
+  ClusterConfig cluster;
+  TelemetryConfig telemetry;
+};
+
+}  // namespace dadrl

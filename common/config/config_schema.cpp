@@ -1,0 +1,246 @@
+#include "common/config/config_schema.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <numeric>
+
+namespace dadrl {
+namespace {
+
+constexpr double kHuge = 1e15;
+
+class SchemaBuilder {
+ public:
+  void Add(std::string key, bool& value, std::string help) { Push(std::move(key), std::move(help), &value); }
+  void Add(std::string key, std::string& value, std::string help) {
+    Push(std::move(key), std::move(help), &value);
+  }
+  template <typename Number>
+  void Add(std::string key, Number& value, double min, double max, std::string help) {
+    Push(std::move(key), std::move(help), &value);
+    fields_.back().min = min;
+    fields_.back().max = max;
+  }
+  template <typename Enum>
+  void AddChoice(std::string key, Enum& value, std::vector<std::string> choices, std::string help) {
+    Push(std::move(key), std::move(help),
+         ConfigField::EnumTarget{
+             &value, [](const void* target) { return static_cast<int>(*static_cast<const Enum*>(target)); },
+             [](void* target, int index) { *static_cast<Enum*>(target) = static_cast<Enum>(index); }});
+    fields_.back().choices = std::move(choices);
+  }
+  std::vector<ConfigField> Take() { return std::move(fields_); }
+
+ private:
+  template <typename Target>
+  void Push(std::string key, std::string help, Target target) {
+    ConfigField field;
+    field.key = std::move(key);
+    field.help = std::move(help);
+    field.target = target;
+    fields_.push_back(std::move(field));
+  }
+  std::vector<ConfigField> fields_;
+};
+
+void AddTask(SchemaBuilder& b, Config& c) {
+  b.AddChoice("traffic.profile", c.traffic.profile, {"calibrated", "plain"},
+              "Driver settings: calibrated restores the paper's difficulty, plain is SUMO's kind default");
+  b.Add("task.decision_interval", c.task.decision_interval, 1, 20,
+        "Simulation steps (0.1 s) one action is held");
+  b.Add("task.max_steps", c.task.max_steps, 1, 100000, "Simulation steps before an episode is truncated");
+  b.Add("task.max_speed_mps", c.task.max_speed_mps, 1, 40, "Target speed of action +1, m/s");
+  RewardConfig& r = c.task.reward;
+  b.Add("task.reward.crash", r.crash, -100, 100, "Once, on a collision");
+  b.Add("task.reward.off_road", r.off_road, -100, 100, "Once, on leaving the road");
+  b.Add("task.reward.goal", r.goal, -100, 100, "Once, on reaching the goal");
+  b.Add("task.reward.progress", r.progress, -100, 100, "Times the fraction of the route driven, each step");
+  b.Add("task.reward.speed", r.speed, -100, 100,
+        "Times speed / limit, each step; the excess counts negative");
+  b.Add("task.reward.off_route", r.off_route, -100, 100, "Each step off the route");
+  b.Add("task.reward.wrong_way", r.wrong_way, -100, 100, "Each step against the lane");
+  b.Add("task.reward.slow", r.slow, -100, 100, "Every ten seconds spent below a tenth of the limit");
+  b.Add("observation.vehicles", c.observation.vehicles, 1, 64, "Nearest vehicles the ego sees");
+  b.Add("observation.radius_m", c.observation.radius_m, 1, 500, "How far it sees, m");
+  b.Add("observation.history", c.observation.history, 1, 50, "Rows of history, the last is now");
+  b.Add("observation.history_stride", c.observation.history_stride, 1, 50,
+        "Simulation steps between two rows");
+}
+
+void AddTraining(SchemaBuilder& b, Config& c) {
+  b.Add("model.stae", c.model.stae, "Spatio-temporal attention encoder; false is the paper's ablation");
+  b.Add("model.context", c.model.context, "Bird's-eye context encoder; false is the paper's ablation");
+  b.AddChoice("model.encoders", c.model.encoders, {"separate", "shared"},
+              "Whether actor and critics own an encoder each, or share one trained by the critic loss");
+  b.Add("model.hidden", c.model.hidden, 16, 1024, "Width of the two hidden layers of policy and critics");
+  b.Add("model.critic_layer_norm", c.model.critic_layer_norm, "Layer norm in the critics' hidden layers");
+  b.Add("model.log_std_min", c.model.log_std_min, -20, 0,
+        "Lower clamp of the policy's log standard deviation");
+  b.Add("model.log_std_max", c.model.log_std_max, 0, 10,
+        "Upper clamp of the policy's log standard deviation");
+  AlgorithmConfig& a = c.algorithm;
+  b.Add("algorithm.name", a.name, "Learning algorithm: sac");
+  b.Add("algorithm.batch_size", a.batch_size, 16, 4096, "Transitions an update; a multiple of 16");
+  b.Add("algorithm.gamma", a.gamma, 0, 1, "Discount per decision");
+  b.Add("algorithm.n_step", a.n_step, 1, 32, "Decisions summed before bootstrapping");
+  b.Add("algorithm.tau", a.tau, 0, 1, "Polyak step of the target critics, per update");
+  b.Add("algorithm.actor_learning_rate", a.actor_learning_rate, 0, 1, "Adam step of the policy");
+  b.Add("algorithm.critic_learning_rate", a.critic_learning_rate, 0, 1, "Adam step of the critics");
+  b.Add("algorithm.temperature_learning_rate", a.temperature_learning_rate, 0, 1,
+        "Adam step of the temperature");
+  b.Add("algorithm.initial_temperature", a.initial_temperature, 1e-6, 100, "Entropy weight at the start");
+  b.Add("algorithm.target_entropy", a.target_entropy, -100, 100, "Entropy the temperature aims at, nats");
+  b.Add("algorithm.average_decay", a.average_decay, 0, 1, "Decay of the averaged policy, per update");
+}
+
+void AddReplay(SchemaBuilder& b, Config& c) {
+  ReplayConfig& r = c.replay;
+  b.Add("replay.shards", r.shards, 1, 16, "Replay processes");
+  b.Add("replay.max_memory_bytes", r.max_memory_bytes, 1 << 20, kHuge, "Bound on frames held in memory");
+  b.Add("replay.max_disk_bytes", r.max_disk_bytes, 1 << 20, kHuge, "Bound on the segment files");
+  b.Add("replay.segment_bytes", r.segment_bytes, 1 << 16, 1 << 30, "Size of one segment file");
+  b.AddChoice("replay.sync", r.sync, {"none", "interval", "always"},
+              "When stored chunks are forced to disk; an acknowledgement promises what this does");
+  b.Add("replay.sync_interval_s", r.sync_interval_s, 0.01, 3600, "Seconds between two forced writes");
+  b.Add("replay.min_size", r.min_size, 1, kHuge, "Frames held before the first sample");
+  b.Add("replay.samples_per_insert", r.samples_per_insert, 0, 1e6,
+        "Sampled transitions per inserted frame the limiter aims at; 0 is no limit");
+  b.Add("replay.samples_per_insert_band", r.samples_per_insert_band, 0.01, 1e6,
+        "Tolerated deviation, as a multiple of min_size * samples_per_insert");
+  b.AddChoice("replay.sampler", r.sampler, {"uniform", "prioritized", "newest_first", "oldest_first"},
+              "How items are drawn");
+  b.Add("replay.priority_exponent", r.priority_exponent, 0, 2, "alpha of prioritised replay");
+  b.Add("replay.importance_exponent", r.importance_exponent, 0, 2, "beta of prioritised replay");
+  b.Add("replay.max_times_sampled", r.max_times_sampled, 0, 1e9, "Samples an item serves; 0 is no limit");
+  b.Add("replay.max_staleness", r.max_staleness, 0, 1e9, "Policy versions an item may lag; 0 is no limit");
+}
+
+void AddProcesses(SchemaBuilder& b, Config& c) {
+  LearnerConfig& l = c.learner;
+  b.Add("learner.threads", l.threads, 1, 256, "Training threads");
+  b.Add("learner.credits", l.credits, 1, 16, "Batch requests outstanding");
+  b.Add("learner.publish_interval_s", l.publish_interval_s, 0.01, 3600,
+        "Seconds between two weight broadcasts");
+  b.AddChoice("learner.publish", l.publish, {"averaged", "current"}, "Which policy is broadcast and saved");
+  b.Add("learner.checkpoint_interval_s", l.checkpoint_interval_s, 1, 3600, "Seconds between two checkpoints");
+  b.Add("learner.checkpoints_kept", l.checkpoints_kept, 1, 1000, "Older checkpoints are removed");
+  b.Add("learner.max_updates", l.max_updates, 0, kHuge, "Stop after so many updates; 0 is never");
+  ActorConfig& a = c.actor;
+  b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
+  b.Add("actor.random_decisions", a.random_decisions, 0, kHuge,
+        "Decisions taken at random, by all actors together, before the policy acts");
+  b.Add("actor.chunk_frames", a.chunk_frames, 1, 64, "Frames of one experience chunk");
+  b.Add("actor.max_unacknowledged_bytes", a.max_unacknowledged_bytes, 1 << 16, kHuge,
+        "Experience an actor keeps until the replay has stored it; then it waits");
+  b.AddChoice("actor.floats", a.floats, {"fp32", "fp16"}, "Coding of floats in experience");
+  EvaluationConfig& e = c.evaluation;
+  b.Add("evaluation.interval_s", e.interval_s, 0, 1e9,
+        "Seconds between evaluations while training; 0 is none");
+  b.Add("evaluation.episodes", e.episodes, 1, 1e6, "Episodes of an evaluation while training");
+  b.Add("evaluation.processes", e.processes, 1, 1024, "Processes an evaluation uses");
+  ClusterConfig& n = c.cluster;
+  b.Add("cluster.host", n.host, "Address at which actors reach replay and learner");
+  b.Add("cluster.port", n.port, 0, 60000, "First DDS port; 0 takes a free one");
+  b.Add("cluster.lease_s", n.lease_s, 0.5, 600, "Longest network cut that DDS bridges by itself, s");
+  b.Add("cluster.liveliness_s", n.liveliness_s, 0.1, 60, "Silence after which a peer counts as dead, s");
+  b.Add("cluster.receive_buffer_bytes", n.receive_buffer_bytes, 1 << 16, 1 << 30, "UDP receive buffer");
+  b.Add("telemetry.enabled", c.telemetry.enabled, "Publish status over LCM");
+  b.Add("telemetry.interval_s", c.telemetry.interval_s, 0.05, 60, "Seconds between two status messages");
+}
+
+template <typename Number>
+Status AssignNumber(const ConfigField& field, std::string_view text, Number* target) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool parsed = error == std::errc() && end == text.data() + text.size();
+  const double as_double = static_cast<double>(value);
+  if (!parsed || !(as_double >= field.min && as_double <= field.max)) {
+    return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not {} between {:g} and {:g}", field.key, text,
+                std::is_integral_v<Number> ? "a whole number" : "a number", field.min, field.max);
+  }
+  *target = value;
+  return {};
+}
+
+}  // namespace
+
+std::vector<ConfigField> SchemaOf(Config& config) {
+  SchemaBuilder b;
+  b.Add("scenario", config.scenario, "Road and traffic: one folder of actor/scenarios, or all");
+  b.Add("seed", config.seed, 0, 1e18, "Of everything random in the run");
+  b.Add("minutes", config.minutes, 0, 1e6, "Wall time of a training; 0 is until stopped");
+  AddTask(b, config);
+  AddTraining(b, config);
+  AddReplay(b, config);
+  AddProcesses(b, config);
+  return b.Take();
+}
+
+std::string FormatValue(const ConfigField& field) {
+  return std::visit(
+      [&](auto target) -> std::string {
+        using Target = decltype(target);
+        if constexpr (std::is_same_v<Target, ConfigField::EnumTarget>) {
+          return field.choices[static_cast<size_t>(target.get(target.target))];
+        } else if constexpr (std::is_same_v<Target, bool*>) {
+          return *target ? "true" : "false";
+        } else {
+          return fmt::format("{}", *target);
+        }
+      },
+      field.target);
+}
+
+Status AssignValue(const ConfigField& field, std::string_view text) {
+  return std::visit(
+      [&](auto target) -> Status {
+        using Target = decltype(target);
+        if constexpr (std::is_same_v<Target, ConfigField::EnumTarget>) {
+          const auto found = std::find(field.choices.begin(), field.choices.end(), text);
+          if (found == field.choices.end()) {
+            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not one of: {}", field.key, text,
+                        fmt::join(field.choices, ", "));
+          }
+          target.set(target.target, static_cast<int>(found - field.choices.begin()));
+          return {};
+        } else if constexpr (std::is_same_v<Target, bool*>) {
+          if (text != "true" && text != "false") {
+            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is neither true nor false", field.key, text);
+          }
+          *target = text == "true";
+          return {};
+        } else if constexpr (std::is_same_v<Target, std::string*>) {
+          *target = text;
+          return {};
+        } else {
+          return AssignNumber(field, text, target);
+        }
+      },
+      field.target);
+}
+
+std::string NearestName(std::string_view name, const std::vector<std::string>& candidates) {
+  std::string best;
+  size_t best_distance = std::numeric_limits<size_t>::max();
+  for (const std::string& candidate : candidates) {
+    std::vector<size_t> row(candidate.size() + 1);
+    std::iota(row.begin(), row.end(), size_t{0});
+    for (size_t i = 1; i <= name.size(); ++i) {
+      size_t diagonal = row[0];
+      row[0] = i;
+      for (size_t j = 1; j <= candidate.size(); ++j) {
+        const size_t substitution = diagonal + (name[i - 1] != candidate[j - 1]);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitution});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,25 @@
+// The configuration as YAML: what a run directory keeps and a user edits.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+// Overlays the file's keys on `config`. Unknown keys are refused with the nearest known name and the line.
+Status LoadYaml(const std::filesystem::path& file, Config& config);
+// The same for YAML text; `origin` names it in errors.
+Status ParseYaml(std::string_view text, std::string_view origin, Config& config);
+
+// One "key=value" of the command line.
+Status ApplyOverride(std::string_view assignment, Config& config);
+
+// Every key with its value; with `explain`, each preceded by its sentence and range.
+std::string ToYaml(const Config& config, bool explain);
+
+}  // namespace dadrl

@@ -1,0 +1,29 @@
+#include "common/config/validate.h"
+
+namespace dadrl {
+
+Status Validate(const Config& config) {
+  if (config.algorithm.name != "sac") {
+    return Fail(ErrorCode::kInvalidArgument, "algorithm.name: '{}' is unknown; there is: sac",
+                config.algorithm.name);
+  }
+  if (config.algorithm.batch_size % 16 != 0) {
+    return Fail(ErrorCode::kInvalidArgument, "algorithm.batch_size: {} is not a multiple of 16",
+                config.algorithm.batch_size);
+  }
+  if (config.algorithm.batch_size < 16 * config.learner.threads) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "learner.threads: {} threads need algorithm.batch_size of at least {}, it is {}",
+                config.learner.threads, 16 * config.learner.threads, config.algorithm.batch_size);
+  }
+  if (!config.model.stae && !config.model.context) {
+    return Fail(ErrorCode::kInvalidArgument, "model.stae and model.context are both false; keep one");
+  }
+  if (config.replay.segment_bytes > config.replay.max_disk_bytes) {
+    return Fail(ErrorCode::kInvalidArgument, "replay.segment_bytes: {} exceeds replay.max_disk_bytes: {}",
+                config.replay.segment_bytes, config.replay.max_disk_bytes);
+  }
+  return {};
+}
+
+}  // namespace dadrl

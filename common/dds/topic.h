@@ -1,0 +1,24 @@
+// What a topic is: name, type, plane and the few QoS settings this system varies. The table itself is
+// proto/topics.h.
+#pragma once
+
+#include <dds/dds.h>
+
+#include "common/dds/node.h"
+
+namespace dadrl::dds {
+
+struct TopicSpec {
+  const char* name;
+  const dds_topic_descriptor_t* type;
+  Plane plane;
+  bool reliable = true;
+  bool keep_all = true;  // else KEEP_LAST of `depth`
+  int depth = 1;
+  bool transient_local = false;      // a late reader gets the newest
+  int reader_max_samples = 0;        // of a KEEP_ALL reader: the transport's backpressure; 0: unlimited
+  int max_blocking_ms = 100;         // of a reliable write
+  double manual_liveliness_s = 0.0;  // 0: automatic, infinite
+};
+
+}  // namespace dadrl::dds

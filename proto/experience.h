@@ -1,0 +1,133 @@
+// Experience as it travels and is stored: frames, chunks of frames, slices of chunks (design, section 6).
+//
+// An episode of T decisions is T + 1 frames when it was truncated (the last holds the observation after the
+// last decision and no action), and T frames when it terminated (nothing follows a collision or the goal). A
+// chunk is up to 64 consecutive frames of one episode. Frame payloads are compressed one by one, so that the
+// replay stores and slices chunks without decoding a frame.
+//
+// Wire format, little endian: ChunkHeader | columns (policy_version u32[n], action f32[n][2], reward f32[n],
+// flags u8[n] padded to 4, offset u32[n + 1]) | frame payloads | xxh3-64 of everything before.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/model/observation.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+constexpr uint32_t kExperienceVersion = 1;
+constexpr int kMaxChunkFrames = 64;
+// Nothing longer is ever accepted from a socket or a file.
+constexpr size_t kMaxChunkBytes = size_t{4} << 20;
+
+// Bits of a frame's flags.
+enum FrameFlag : uint8_t {
+  kHasAction = 1,   // action, reward and policy_version are valid
+  kTerminated = 2,  // the action ended the episode; nothing follows
+  kTruncated = 4,   // the action was the last before the time limit; the next frame is the final observation
+};
+
+// Who wrote a chunk: the replay accepts each identity exactly once.
+struct ChunkIdentity {
+  uint32_t actor = 0;
+  uint64_t incarnation = 0;  // wall time at which the actor process started, ns: grows with each restart
+  uint64_t sequence = 0;     // 1, 2, 3, ... within an incarnation
+  auto operator<=>(const ChunkIdentity&) const = default;
+};
+
+struct ChunkHeader {
+  ChunkIdentity identity;
+  uint64_t episode = 0;      // unique within the incarnation
+  uint32_t first_frame = 0;  // of the chunk's first frame within its episode
+  uint32_t frames = 0;
+  uint64_t schema = 0;  // SchemaHash of the observation spec: a replay holds one schema
+};
+
+uint64_t SchemaHash(const ObservationSpec& spec);
+
+// Compresses one observation: floats as fp32 or fp16, context planes as bits. Lossless for fp32.
+// Keeps its scratch memory; one a thread.
+class FrameCodec {
+ public:
+  FrameCodec(const ObservationSpec& spec, FloatCoding floats);
+  ~FrameCodec();
+  FrameCodec(FrameCodec&&) noexcept;
+
+  // Appends the payload to `out`.
+  void Encode(const Observation& observation, std::vector<std::byte>& out);
+  // Fills the three arrays (sized as in Observation). kCorrupt when the payload is not exactly one frame of
+  // this spec; reads nothing beyond it, whatever it holds. Either float coding is accepted: the payload says
+  // which.
+  Status Decode(std::span<const std::byte> payload, std::span<float> vehicles, std::span<float> ego,
+                std::span<uint8_t> context);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Collects consecutive frames of one episode and serialises them. Not thread safe.
+class ChunkBuilder {
+ public:
+  ChunkBuilder(const ObservationSpec& spec, FloatCoding floats);
+
+  // Starts an empty chunk whose first frame is frame `first_frame` of `episode`.
+  void Begin(uint64_t episode, uint32_t first_frame);
+  // A frame with the action taken on it; `flags` of kTerminated and kTruncated, kHasAction is added.
+  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
+                     uint32_t policy_version);
+  // The observation after a truncation.
+  void AddFinal(const Observation& observation);
+  int frames() const { return static_cast<int>(flags_.size()); }
+
+  // The chunk's bytes under `identity`. Needs at least one frame.
+  std::vector<std::byte> Finish(const ChunkIdentity& identity) const;
+
+ private:
+  FrameCodec codec_;
+  uint64_t schema_;
+  uint64_t episode_ = 0;
+  uint32_t first_frame_ = 0;
+  std::vector<uint32_t> policy_versions_;
+  std::vector<Action> actions_;
+  std::vector<float> rewards_;
+  std::vector<uint8_t> flags_;
+  std::vector<uint32_t> offsets_;
+  std::vector<std::byte> payloads_;
+};
+
+// A validated look into a chunk's bytes; borrows them.
+class ChunkView {
+ public:
+  // Checks magic, version, lengths, offsets, flags, finiteness of actions and rewards, checksum. Never reads
+  // outside `bytes`. kCorrupt with what was wrong.
+  static Result<ChunkView> Parse(std::span<const std::byte> bytes);
+
+  const ChunkHeader& header() const { return header_; }
+  int frames() const { return static_cast<int>(header_.frames); }
+  uint32_t policy_version(int frame) const;
+  Action action(int frame) const;
+  float reward(int frame) const;
+  uint8_t flags(int frame) const;
+  std::span<const std::byte> payload(int frame) const;
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+  ChunkHeader header_;
+  const std::byte* policy_versions_ = nullptr;
+  const std::byte* actions_ = nullptr;
+  const std::byte* rewards_ = nullptr;
+  const std::byte* flags_ = nullptr;
+  const std::byte* offsets_ = nullptr;
+  const std::byte* payloads_ = nullptr;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,53 @@
+// The one table of topics: each QoS setting with its reason.
+#pragma once
+
+#include "cluster.h"
+#include "common/dds/topic.h"
+
+namespace dadrl {
+
+// Experience. KEEP_ALL and a bounded reader: the replay's pace is the actors' pace; nothing is overwritten.
+// Volatile: actors resend what is unacknowledged, so DDS need not keep it.
+inline const dds::TopicSpec kChunkTopic{.name = "dadrl/chunk",
+                                        .type = &dadrl_idl_ChunkMessage_desc,
+                                        .plane = dds::Plane::kData,
+                                        .reader_max_samples = 128,
+                                        .max_blocking_ms = 200};
+// Newest word per actor is all that counts, also for an actor that joins or rejoins: transient local,
+// KEEP_LAST 1 per key.
+inline const dds::TopicSpec kAcknowledgementTopic{.name = "dadrl/acknowledgement",
+                                                  .type = &dadrl_idl_Acknowledgement_desc,
+                                                  .plane = dds::Plane::kControl,
+                                                  .keep_all = false,
+                                                  .transient_local = true};
+// Credits bound what is outstanding; the reader limit is a safety net.
+inline const dds::TopicSpec kBatchRequestTopic{.name = "dadrl/batch_request",
+                                               .type = &dadrl_idl_BatchRequest_desc,
+                                               .plane = dds::Plane::kControl,
+                                               .reader_max_samples = 64};
+inline const dds::TopicSpec kBatchReplyTopic{.name = "dadrl/batch_reply",
+                                             .type = &dadrl_idl_BatchReply_desc,
+                                             .plane = dds::Plane::kData,
+                                             .reader_max_samples = 16,
+                                             .max_blocking_ms = 500};
+// Losing some priorities is harmless; holding up training is not: short time-out, dropped when full.
+inline const dds::TopicSpec kPriorityTopic{.name = "dadrl/priorities",
+                                           .type = &dadrl_idl_PriorityUpdate_desc,
+                                           .plane = dds::Plane::kControl,
+                                           .reader_max_samples = 64,
+                                           .max_blocking_ms = 50};
+// Only the newest policy matters; a late actor gets it at once. KEEP_LAST never blocks the learner.
+inline const dds::TopicSpec kWeightsTopic{.name = "dadrl/weights",
+                                          .type = &dadrl_idl_Weights_desc,
+                                          .plane = dds::Plane::kControl,
+                                          .keep_all = false,
+                                          .transient_local = true};
+// Manual liveliness: a beat proves that the work loop runs, not only that the process exists.
+inline const dds::TopicSpec kHeartbeatTopic{.name = "dadrl/heartbeat",
+                                            .type = &dadrl_idl_Heartbeat_desc,
+                                            .plane = dds::Plane::kControl,
+                                            .keep_all = false,
+                                            .transient_local = true,
+                                            .manual_liveliness_s = 1.0};
+
+}  // namespace dadrl
