@@ -1,0 +1,130 @@
+// Telemetry of a cluster on one host over LCM: small, lossy, state not events. Every counter is cumulative,
+// so a lost packet loses nothing but freshness; the monitor takes differences.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "common/config/config.h"
+#include "common/dds/node.h"
+#include "common/util/result.h"
+#include "common/util/time_ledger.h"
+
+namespace dadrl {
+
+// What a process may report; a process fills those that it knows, the rest stay 0.
+enum class Metric : int {
+  // actor, cumulative
+  kEnvSteps = 0,  // simulation steps of 0.1 s
+  kDecisions,     // frames produced
+  kEpisodes,
+  kSuccesses,
+  kCollisions,
+  kOffRoads,
+  kStagnations,
+  kSimulatorFailures,  // episodes lost to the simulator
+  kBacklogBytes,       // unacknowledged experience, now
+  kPolicyVersion,      // in use, now
+  kPolicyAgeS,         // since that policy was published, now
+  // replay, cumulative unless "now"
+  kInsertedFrames,
+  kInsertedBytes,
+  kSampledTransitions,
+  kSampledBytes,
+  kRejectedChunks,   // malformed, alien schema
+  kDuplicateChunks,  // seen before; dropped
+  kFramesHeld,       // now
+  kMemoryBytes,      // now
+  kDiskBytes,        // now
+  // learner
+  kUpdates,                // cumulative
+  kWeightsVersion,         // now
+  kBatchBytes,             // cumulative, received
+  kStalenessVersionsMean,  // of the last batches: newest version minus the acting one
+  kStalenessVersionsMax,
+  kStalenessSecondsMean,  // the same in seconds
+  kStalenessSecondsMax,
+  kCriticLoss,
+  kActorLoss,
+  kTemperature,
+  kEntropy,
+  kMeanQ,
+  kCheckpointAgeS,
+  kCount,
+};
+
+// Stable snake_case name ("env_steps").
+std::string_view MetricName(Metric metric);
+
+struct ProcessStatus {
+  dds::Role role = dds::Role::kActor;
+  int index = 0;
+  int pid = 0;
+  uint64_t incarnation = 0;
+  int64_t sent_ns = 0;  // wall time
+  double uptime_s = 0.0;
+  std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
+  TimeLedger::Totals activity_s{};  // cumulative seconds by Activity of the process's main loop
+
+  double& operator[](Metric metric) { return metrics[static_cast<size_t>(metric)]; }
+  double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
+};
+
+// One finished episode. `outcome` is the integer of actor's Outcome: success, collision, off_road,
+// stagnation.
+struct EpisodeReport {
+  int actor = 0;
+  uint64_t incarnation = 0;
+  uint64_t episode = 0;
+  uint64_t seed = 0;
+  int outcome = 0;
+  int steps = 0;
+  double episode_return = 0.0;
+  double progress = 0.0;
+  double mean_speed_mps = 0.0;
+  double humanness_error = 0.0;
+  double overall_score = 0.0;
+  uint32_t policy_version = 0;
+  int64_t sent_ns = 0;
+};
+
+// Host-local (ttl 0) multicast on a port of the cluster's own block, so that clusters on one host do not mix.
+std::string TelemetryUrl(const ClusterConfig& cluster);
+
+// Thread safe; never blocks. Where the host has no multicast (or telemetry is off) it says so once and
+// publishes nothing.
+class TelemetryPublisher {
+ public:
+  // `url`: TelemetryUrl, or "memq://..." in tests; empty: off.
+  explicit TelemetryPublisher(const std::string& url);
+  ~TelemetryPublisher();
+  void Publish(const ProcessStatus& status);
+  void Publish(const EpisodeReport& report);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Not thread safe. Packets of the wrong length or type are counted and dropped before they are decoded.
+class TelemetrySubscriber {
+ public:
+  // kUnavailable when the host has no multicast.
+  static Result<std::unique_ptr<TelemetrySubscriber>> Create(const std::string& url);
+  ~TelemetrySubscriber();
+  // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread.
+  void Poll(Duration timeout, const std::function<void(const ProcessStatus&)>& on_status,
+            const std::function<void(const EpisodeReport&)>& on_episode);
+  uint64_t rejected_packets() const;
+
+ private:
+  TelemetrySubscriber() = default;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dadrl
