@@ -1,0 +1,28 @@
+// xxh3-64: the checksum of every file and message of ours. Finds damage, not malice.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace dadrl {
+
+uint64_t Xxh3(std::span<const std::byte> bytes);
+
+// The same over bytes that come in pieces. Not thread safe.
+class Xxh3Stream {
+ public:
+  Xxh3Stream();
+  ~Xxh3Stream();
+  Xxh3Stream(Xxh3Stream&&) noexcept;
+  void Add(std::span<const std::byte> bytes);
+  // Of everything added so far.
+  uint64_t Digest() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace dadrl
