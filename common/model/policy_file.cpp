@@ -1,0 +1,108 @@
+#include "common/model/policy_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "common/io/atomic_file.h"
+#include "common/io/byte_io.h"
+#include "common/io/checksum.h"
+#include "common/io/read_file.h"
+
+namespace dadrl {
+namespace {
+
+constexpr std::string_view kMagic = "DADRLPOL";
+constexpr uint32_t kFormat = 1;
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+constexpr std::string_view kRemedy = "take another policy file of the run's checkpoints folder";
+
+std::string_view AsText(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Magic and format come before the checksum, so that a file that never was a policy is called so.
+Result<std::span<const std::byte>> CheckedContent(const std::filesystem::path& path,
+                                                  std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  const std::string_view magic = AsText(reader.GetBytes(kMagic.size()));
+  const auto format = reader.Get<uint32_t>();
+  if (!reader.ok() || magic != kMagic) {
+    return Fail(ErrorCode::kCorrupt, "{} is not a policy file: {}", path.string(), kRemedy);
+  }
+  if (format != kFormat) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "{} is a policy file of format {}, this program reads format {}: use the program that wrote it",
+        path.string(), format, kFormat);
+  }
+  constexpr size_t kHead = kMagic.size() + sizeof(uint32_t);
+  const size_t length = std::max(bytes.size(), kHead + sizeof(uint64_t)) - sizeof(uint64_t);
+  ByteReader tail(bytes.subspan(std::min(length, bytes.size())));
+  const auto checksum = tail.Get<uint64_t>();
+  if (!tail.ok() || checksum != Xxh3(bytes.first(length))) {
+    return Fail(ErrorCode::kCorrupt, "{} is damaged (checksum): {}", path.string(), kRemedy);
+  }
+  return bytes.subspan(kHead, length - kHead);
+}
+
+}  // namespace
+
+Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(policy.parameters.size_bytes() + policy.config_yaml.size() + 64);
+  ByteWriter writer(bytes);
+  writer.PutBytes(std::as_bytes(std::span(kMagic)));
+  writer.Put(kFormat);
+  writer.Put(policy.policy_version);
+  writer.Put(policy.updates);
+  writer.Put(policy.layout_hash);
+  writer.PutText(policy.config_yaml);
+  writer.Put(static_cast<uint64_t>(policy.parameters.size()));
+  writer.PutBytes(std::as_bytes(policy.parameters));
+  writer.Put(Xxh3(bytes));
+  return WriteFileAtomically(path, bytes);
+}
+
+Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
+  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxFileBytes));
+  DADRL_ASSIGN_OR_RETURN(const std::span<const std::byte> content, CheckedContent(path, bytes));
+  ByteReader reader(content);
+  PolicyFile policy;
+  policy.policy_version = reader.Get<uint32_t>();
+  policy.updates = reader.Get<uint64_t>();
+  policy.layout_hash = reader.Get<uint64_t>();
+  const std::string config_yaml = reader.GetText();
+  const auto count = reader.Get<uint64_t>();
+  if (!reader.ok() || count > reader.remaining() / sizeof(float) ||
+      reader.remaining() != count * sizeof(float)) {
+    return Fail(ErrorCode::kCorrupt, "{} is damaged (lengths): {}", path.string(), kRemedy);
+  }
+  DADRL_RETURN_IF_ERROR(ParseYaml(config_yaml, path.string(), policy.config));
+  DADRL_RETURN_IF_ERROR(Validate(policy.config));
+  policy.parameters.resize(count);
+  std::memcpy(policy.parameters.data(), reader.GetBytes(count * sizeof(float)).data(), count * sizeof(float));
+  const auto bad = std::find_if_not(policy.parameters.begin(), policy.parameters.end(),
+                                    [](float value) { return std::isfinite(value); });
+  if (bad != policy.parameters.end()) {
+    return Fail(ErrorCode::kCorrupt, "{}: parameter {} is not finite: {}", path.string(),
+                bad - policy.parameters.begin(), kRemedy);
+  }
+  return policy;
+}
+
+Status CheckLayout(const PolicyFile& policy, const std::filesystem::path& path, uint64_t layout_hash,
+                   size_t parameter_count) {
+  if (policy.layout_hash == layout_hash && policy.parameters.size() == parameter_count) return {};
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "{} holds networks of another layout ({} parameters, hash {:016x}; this program builds {} with hash "
+      "{:016x} from the same configuration): use the program that wrote it",
+      path.string(), policy.parameters.size(), policy.layout_hash, parameter_count, layout_hash);
+}
+
+}  // namespace dadrl

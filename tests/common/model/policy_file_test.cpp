@@ -1,0 +1,118 @@
+#include "common/model/policy_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/config/config_yaml.h"
+#include "common/io/atomic_file.h"
+#include "common/io/checksum.h"
+#include "common/io/read_file.h"
+#include "tests/common/io/temporary_directory.h"
+
+namespace dadrl {
+namespace {
+
+using testing::HasSubstr;
+
+class PolicyFileTest : public testing::Test {
+ protected:
+  PolicyToSave Policy() {
+    return {.layout_hash = 0x1234,
+            .policy_version = 7,
+            .updates = 900,
+            .config_yaml = ToYaml(config_, false),
+            .parameters = parameters_};
+  }
+  std::vector<std::byte> Saved() { return ReadFile(path_, 1 << 20).value(); }
+
+  TemporaryDirectory folder_;
+  std::filesystem::path path_ = folder_.path() / "policy-900.dadrl";
+  Config config_;
+  std::vector<float> parameters_ = {0.5f, -1.25f, 3e-20f, 1e20f};
+};
+
+TEST_F(PolicyFileTest, ReadsBackEverything) {
+  config_.model.hidden = 128;
+  config_.scenario = "double_merge";
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  const auto loaded = LoadPolicy(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->layout_hash, 0x1234u);
+  EXPECT_EQ(loaded->policy_version, 7u);
+  EXPECT_EQ(loaded->updates, 900u);
+  EXPECT_EQ(loaded->config.model.hidden, 128);
+  EXPECT_EQ(loaded->config.scenario, "double_merge");
+  EXPECT_EQ(loaded->parameters, parameters_);
+}
+
+TEST_F(PolicyFileTest, MissingFileIsNotFoundAndNamed) {
+  const auto loaded = LoadPolicy(path_);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(loaded.error().message, HasSubstr(path_.string()));
+}
+
+TEST_F(PolicyFileTest, EveryFlippedByteIsNoticed) {
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  const std::vector<std::byte> good = Saved();
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::vector<std::byte> bad = good;
+    bad[i] ^= std::byte{0x40};
+    ASSERT_TRUE(WriteFileAtomically(path_, bad));
+    const auto loaded = LoadPolicy(path_);
+    ASSERT_FALSE(loaded) << "byte " << i;
+    EXPECT_THAT(loaded.error().message, HasSubstr(path_.string()));
+  }
+}
+
+TEST_F(PolicyFileTest, EveryTruncationIsCorrupt) {
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  const std::vector<std::byte> good = Saved();
+  for (size_t length = 0; length < good.size(); ++length) {
+    ASSERT_TRUE(WriteFileAtomically(path_, std::span(good).first(length)));
+    ASSERT_FALSE(LoadPolicy(path_)) << length;
+    EXPECT_EQ(LoadPolicy(path_).error().code, ErrorCode::kCorrupt);
+  }
+}
+
+TEST_F(PolicyFileTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  std::vector<std::byte> bytes = Saved();
+  const size_t count_at = bytes.size() - 8 - parameters_.size() * sizeof(float) - 8;
+  for (size_t i = 0; i < 8; ++i) bytes[count_at + i] = std::byte{0xFF};
+  const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+  std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
+  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("lengths"));
+}
+
+TEST_F(PolicyFileTest, AnotherFormatIsRefusedWithBothNumbers) {
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  std::vector<std::byte> bytes = Saved();
+  bytes[8] = std::byte{9};
+  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  const auto loaded = LoadPolicy(path_);
+  EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(loaded.error().message, HasSubstr("format 9"));
+  EXPECT_THAT(loaded.error().message, HasSubstr("format 1"));
+}
+
+TEST_F(PolicyFileTest, ParameterThatIsNotFiniteIsCorrupt) {
+  parameters_[2] = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("parameter 2 is not finite"));
+}
+
+TEST_F(PolicyFileTest, OtherLayoutIsRefused) {
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  const PolicyFile loaded = LoadPolicy(path_).value();
+  EXPECT_TRUE(CheckLayout(loaded, path_, 0x1234, 4));
+  EXPECT_EQ(CheckLayout(loaded, path_, 0x1235, 4).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_FALSE(CheckLayout(loaded, path_, 0x1234, 5));
+}
+
+}  // namespace
+}  // namespace dadrl
