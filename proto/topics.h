@@ -7,12 +7,16 @@
 namespace dadrl {
 
 // Experience. KEEP_ALL and a bounded reader: the replay's pace is the actors' pace; nothing is overwritten.
-// Volatile: actors resend what is unacknowledged, so DDS need not keep it.
-inline const dds::TopicSpec kChunkTopic{.name = "dadrl/chunk",
-                                        .type = &dadrl_idl_ChunkMessage_desc,
-                                        .plane = dds::Plane::kData,
-                                        .reader_max_samples = 128,
-                                        .max_blocking_ms = 200};
+// Volatile: actors resend what is unacknowledged, so DDS need not keep it. One partition a shard: a writer
+// that matched several shards would be held up by the slowest, and every shard would receive everything.
+inline dds::TopicSpec ChunkTopic(int shard) {
+  return {.name = "dadrl/chunk",
+          .type = &dadrl_idl_ChunkMessage_desc,
+          .plane = dds::Plane::kData,
+          .reader_max_samples = 128,
+          .max_blocking_ms = 200,
+          .partition = shard};
+}
 // Newest word per actor is all that counts, also for an actor that joins or rejoins: transient local,
 // KEEP_LAST 1 per key.
 inline const dds::TopicSpec kAcknowledgementTopic{.name = "dadrl/acknowledgement",
@@ -48,6 +52,6 @@ inline const dds::TopicSpec kHeartbeatTopic{.name = "dadrl/heartbeat",
                                             .plane = dds::Plane::kControl,
                                             .keep_all = false,
                                             .transient_local = true,
-                                            .manual_liveliness_s = 1.0};
+                                            .manual_liveliness = true};
 
 }  // namespace dadrl

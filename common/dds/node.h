@@ -7,6 +7,8 @@
 
 #include <dds/dds.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -19,31 +21,56 @@ namespace dadrl::dds {
 enum class Role : uint32_t { kReplay = 0, kLearner = 1, kActor = 2, kMonitor = 3 };
 enum class Plane { kData, kControl };
 
-// The Cyclone DDS configuration of one domain of one process, as XML. Ports: base + 100 * plane + 10 + 2 *
-// place. `receive_buffer_bytes` of 0 leaves the system's default.
-std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
-                      int64_t receive_buffer_bytes);
+// Most replay shards that the ports of a cluster have room for.
+constexpr int kMaxShards = 32;
+// Ports that a cluster owns from ClusterConfig::port on.
+constexpr int kPortBlock = 200;
 
-// Thread safe after creation. At most one a process.
+// Replay shards and the learner: those that others find at well-known ports.
+bool IsService(Role role);
+// Where a service stands among them: shard i at i, the learner after the last shard.
+int PlaceOf(Role role, int index, int replay_shards);
+
+// Well-known ports stand at base + 100 * plane + 10 + 2 * place (discovery) and one above (data).
+int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place);
+
+// The Cyclone DDS configuration of one domain of one process, as XML. `interface_address` is the IPv4 address
+// to send from and be reached at; "" lets Cyclone choose.
+std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
+                      const std::string& interface_address);
+
+// Thread safe after creation; outlives its endpoints. Several nodes may live in one process (tests do). The
+// environment's CYCLONEDDS_URI is ignored, with a notice: every setting follows from ClusterConfig.
 class Node {
  public:
-  // `index`: shard number of a replay, id of an actor, 0 otherwise. kUnavailable when a port is taken; a
-  // receive buffer that the host forbids is a warning and the system's default.
+  // `index`: shard number of a replay, id of an actor, 0 otherwise. Does not wait for peers.
+  // kInvalidArgument: cluster.host cannot be resolved, or is no address of this machine (replay and learner),
+  // or cluster.port is 0. kUnavailable: a port is taken; the message names it. Of a receive buffer that the
+  // host forbids it takes what it gets, with a warning.
   static Result<std::unique_ptr<Node>> Create(const ClusterConfig& cluster, int replay_shards, Role role,
                                               int index);
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  dds_entity_t participant(Plane plane) const { return plane == Plane::kData ? data_ : control_; }
+  dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }
+  double liveliness_s() const { return liveliness_s_; }
 
  private:
-  Node() = default;
-  dds_entity_t data_ = 0;
-  dds_entity_t control_ = 0;
+  struct Domain {
+    dds_entity_t domain = 0;
+    dds_entity_t participant = 0;
+    Status Open(const std::string& xml);
+  };
+
+  explicit Node(double liveliness_s) : liveliness_s_(liveliness_s) {}
+
+  std::array<Domain, 2> planes_{};
+  double liveliness_s_;
 };
 
-// First of a block of free UDP ports (200 of them) on this host for ClusterConfig::port.
+// First of a block of kPortBlock free UDP ports on this host, for ClusterConfig::port. The block stays
+// reserved against other callers of FindFreePort, in any process, until this process ends.
 Result<int> FindFreePort();
 
 }  // namespace dadrl::dds

@@ -15,10 +15,11 @@ struct TopicSpec {
   bool reliable = true;
   bool keep_all = true;  // else KEEP_LAST of `depth`
   int depth = 1;
-  bool transient_local = false;      // a late reader gets the newest
-  int reader_max_samples = 0;        // of a KEEP_ALL reader: the transport's backpressure; 0: unlimited
-  int max_blocking_ms = 100;         // of a reliable write
-  double manual_liveliness_s = 0.0;  // 0: automatic, infinite
+  bool transient_local = false;    // a late reader gets the newest
+  int reader_max_samples = 0;      // of a KEEP_ALL reader: the transport's backpressure; 0: unlimited
+  int max_blocking_ms = 100;       // of a reliable write
+  bool manual_liveliness = false;  // lease of ClusterConfig::liveliness_s, by topic; else automatic, infinite
+  int partition = -1;              // only endpoints of the same partition match; -1: the default one
 };
 
 }  // namespace dadrl::dds

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include "common/dds/address.h"
+#include "common/dds/node.h"
+
+namespace dadrl::dds {
+namespace {
+
+// Room for a bounded sequence of 64 MiB (cluster.idl) and its header; Cyclone's own default is 2 GB.
+constexpr const char* kMaxSampleSize = "65 MiB";
+
+// Everyone speaks first to the services; the services answer and speak to each other. Actors and monitors
+// know nobody else, so discovery stays linear in their number.
+std::string PeersXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane) {
+  std::string peers;
+  for (int place = 0; place <= replay_shards; ++place) {
+    if (IsService(role) && place == PlaceOf(role, index, replay_shards)) continue;
+    peers += fmt::format("<Peer Address=\"{}:{}\"/>", cluster.host, WellKnownPort(cluster, plane, place));
+  }
+  return peers;
+}
+
+// On loopback large fragments are several times faster. On a network one lost frame would cost a whole 65 kB
+// fragment, so there Cyclone's own sizes stay.
+std::string GeneralXml(const ClusterConfig& cluster, const std::string& interface_address) {
+  std::string general = "<AllowMulticast>false</AllowMulticast>";
+  if (!interface_address.empty()) {
+    general += fmt::format("<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>", interface_address);
+  }
+  if (IsLoopback(cluster.host)) {
+    general += "<MaxMessageSize>65500 B</MaxMessageSize><FragmentSize>65000 B</FragmentSize>";
+  }
+  return general;
+}
+
+// `max` is what Cyclone asks for and takes less of; with `min` it would refuse to start where the host
+// forbids it.
+std::string InternalXml(int64_t receive_buffer_bytes) {
+  return fmt::format("<MaxSampleSize>{}</MaxSampleSize><SocketReceiveBufferSize max=\"{} B\"/>",
+                     kMaxSampleSize, receive_buffer_bytes);
+}
+
+}  // namespace
+
+bool IsService(Role role) { return role == Role::kReplay || role == Role::kLearner; }
+
+int PlaceOf(Role role, int index, int replay_shards) { return role == Role::kReplay ? index : replay_shards; }
+
+int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place) {
+  return cluster.port + 100 * static_cast<int>(plane) + 10 + 2 * place;
+}
+
+std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
+                      const std::string& interface_address) {
+  const std::string participant =
+      IsService(role) ? fmt::format("{}", PlaceOf(role, index, replay_shards)) : "none";
+  // ExternalDomainId: the id on the wire; the id inside the process is free to differ, so that tests can hold
+  // several nodes. A short SPDP interval lets a restarted service be found within a second.
+  return fmt::format(
+      "<CycloneDDS><Domain Id=\"any\">"
+      "<General>{}</General>"
+      "<Discovery><ExternalDomainId>{}</ExternalDomainId><ParticipantIndex>{}</ParticipantIndex>"
+      "<Peers>{}</Peers><LeaseDuration>{} s</LeaseDuration><SPDPInterval>{} s</SPDPInterval>"
+      "<Ports><Base>{}</Base><DomainGain>100</DomainGain><ParticipantGain>2</ParticipantGain>"
+      "<MulticastMetaOffset>0</MulticastMetaOffset><MulticastDataOffset>1</MulticastDataOffset>"
+      "<UnicastMetaOffset>10</UnicastMetaOffset><UnicastDataOffset>11</UnicastDataOffset></Ports></Discovery>"
+      "<Internal>{}</Internal>"
+      "<Tracing><Verbosity>warning</Verbosity></Tracing>"
+      "</Domain></CycloneDDS>",
+      GeneralXml(cluster, interface_address), static_cast<int>(plane), participant,
+      PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s, 0.5, cluster.port,
+      InternalXml(cluster.receive_buffer_bytes));
+}
+
+}  // namespace dadrl::dds

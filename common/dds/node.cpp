@@ -1,0 +1,122 @@
+#include "common/dds/node.h"
+
+#include <cstdlib>
+#include <utility>
+
+#include "common/dds/address.h"
+#include "common/dds/log_sink.h"
+#include "common/util/log.h"
+
+namespace dadrl::dds {
+namespace {
+
+constexpr dds_domainid_t kMaxDomainId = 230;
+
+// Creates a domain under any id that is free inside this process. Returns Cyclone's error when it fails.
+dds_entity_t CreateDomain(const std::string& xml) {
+  for (dds_domainid_t id = 0; id <= kMaxDomainId; ++id) {
+    const dds_entity_t domain = dds_create_domain(id, xml.c_str());
+    if (domain != DDS_RETCODE_PRECONDITION_NOT_MET) return domain;
+  }
+  return DDS_RETCODE_OUT_OF_RESOURCES;
+}
+
+Status CheckPortsFree(const ClusterConfig& cluster, int place, Plane plane) {
+  const int first = WellKnownPort(cluster, plane, place);
+  for (int port = first; port <= first + 1; ++port) {
+    if (!IsUdpPortFree(port)) {
+      return Fail(ErrorCode::kUnavailable,
+                  "UDP port {} is taken, perhaps by another cluster: stop it, or set cluster.port (now {})",
+                  port, cluster.port);
+    }
+  }
+  return {};
+}
+
+Status CheckArguments(const ClusterConfig& cluster, int replay_shards, Role role, int index) {
+  if (cluster.port <= 0 || cluster.port + kPortBlock > 65536) {
+    return Fail(ErrorCode::kInvalidArgument, "cluster.port: {} leaves no room for {} ports below 65536",
+                cluster.port, kPortBlock);
+  }
+  if (replay_shards < 1 || replay_shards > kMaxShards) {
+    return Fail(ErrorCode::kInvalidArgument, "replay.shards: {} is not between 1 and {}", replay_shards,
+                kMaxShards);
+  }
+  if (index < 0 || (role == Role::kReplay && index >= replay_shards)) {
+    return Fail(ErrorCode::kInvalidArgument, "shard {} does not exist: replay.shards is {}", index,
+                replay_shards);
+  }
+  return {};
+}
+
+// The address to send from and be reached at.
+Result<std::string> InterfaceAddress(const ClusterConfig& cluster, Role role) {
+  if (!IsService(role)) return SourceAddressTowards(cluster.host);
+  if (IsLocalAddress(cluster.host)) return cluster.host;
+  return Fail(ErrorCode::kInvalidArgument,
+              "cluster.host: {} is no address of this machine; the replay and the learner run where it is",
+              cluster.host);
+}
+
+void WarnOfSmallReceiveBuffer(int64_t wanted) {
+  const int64_t granted = GrantedReceiveBuffer(wanted);
+  if (granted >= wanted) return;
+  spdlog::warn(
+      "this host grants a UDP receive buffer of {} bytes, {} wanted: transfers may be slow; as root: "
+      "sysctl -w net.core.rmem_max={}",
+      granted, wanted, wanted);
+}
+
+void NoticeIgnoredEnvironment() {
+  static const bool noticed = [] {
+    const char* uri = std::getenv("CYCLONEDDS_URI");
+    if (uri != nullptr && *uri != '\0') {
+      spdlog::info("CYCLONEDDS_URI is ignored: the cluster's DDS settings come from its configuration");
+    }
+    return true;
+  }();
+  static_cast<void>(noticed);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Node>> Node::Create(const ClusterConfig& config, int replay_shards, Role role,
+                                           int index) {
+  InstallLogSink();
+  NoticeIgnoredEnvironment();
+  DADRL_RETURN_IF_ERROR(CheckArguments(config, replay_shards, role, index));
+  ClusterConfig cluster = config;
+  DADRL_ASSIGN_OR_RETURN(cluster.host, ResolveHost(config.host));
+  DADRL_ASSIGN_OR_RETURN(const std::string interface_address, InterfaceAddress(cluster, role));
+
+  std::unique_ptr<Node> node(new Node(cluster.liveliness_s));
+  WarnOfSmallReceiveBuffer(cluster.receive_buffer_bytes);
+  for (const Plane plane : {Plane::kData, Plane::kControl}) {
+    if (IsService(role)) {
+      DADRL_RETURN_IF_ERROR(CheckPortsFree(cluster, PlaceOf(role, index, replay_shards), plane));
+    }
+    DADRL_RETURN_IF_ERROR(node->planes_[static_cast<size_t>(plane)].Open(
+        DomainXml(cluster, replay_shards, role, index, plane, interface_address)));
+  }
+  return node;
+}
+
+Status Node::Domain::Open(const std::string& xml) {
+  domain = CreateDomain(xml);
+  dds_domainid_t id = 0;
+  participant =
+      dds_get_domainid(domain, &id) == DDS_RETCODE_OK ? dds_create_participant(id, nullptr, nullptr) : domain;
+  if (participant < 0) {
+    return Fail(ErrorCode::kInternal, "cannot start DDS: {} (the lines above say why; settings: {})",
+                dds_strretcode(participant), xml);
+  }
+  return {};
+}
+
+Node::~Node() {
+  for (const Domain& plane : planes_) {
+    if (plane.domain > 0) dds_delete(plane.domain);
+  }
+}
+
+}  // namespace dadrl::dds
