@@ -1,0 +1,72 @@
+#include "actor/sim/polyline.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace dadrl {
+namespace {
+
+constexpr double kMinSpacing = 1e-3;
+
+// First index i such that arc[i + 1] >= s, kept a valid segment.
+size_t SegmentAt(const std::vector<double>& arc, double s) {
+  const auto next = std::lower_bound(arc.begin() + 1, arc.end() - 1, s);
+  return static_cast<size_t>(next - arc.begin()) - 1;
+}
+
+}  // namespace
+
+Polyline::Polyline(const std::vector<Point>& points) {
+  points_.reserve(points.size());
+  arc_.reserve(points.size());
+  for (const Point& point : points) {
+    const double spacing = points_.empty() ? 0.0 : Norm(point - points_.back());
+    if (!points_.empty() && spacing < kMinSpacing) continue;
+    arc_.push_back(arc_.empty() ? 0.0 : arc_.back() + spacing);
+    points_.push_back(point);
+  }
+  assert(points_.size() >= 2);
+}
+
+Point Polyline::At(double s) const {
+  const size_t i = SegmentAt(arc_, s);
+  const double t = (s - arc_[i]) / (arc_[i + 1] - arc_[i]);
+  return points_[i] + t * (points_[i + 1] - points_[i]);
+}
+
+double Polyline::HeadingAt(double s) const {
+  const size_t i = SegmentAt(arc_, s);
+  const Point d = points_[i + 1] - points_[i];
+  return std::atan2(d.y, d.x);
+}
+
+Polyline::Projection Polyline::Project(Point point) const { return Project(point, 0.0, length()); }
+
+Polyline::Projection Polyline::Project(Point point, double s_low, double s_high) const {
+  s_low = std::clamp(s_low, 0.0, length());
+  s_high = std::clamp(s_high, s_low, length());
+  Projection best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  const size_t first = SegmentAt(arc_, s_low);
+  for (size_t i = first; i + 1 < points_.size(); ++i) {
+    if (i > first && arc_[i] > s_high) break;
+    const Point direction = points_[i + 1] - points_[i];
+    const double span = arc_[i + 1] - arc_[i];
+    const Point offset = point - points_[i];
+    const double along = std::clamp(Dot(offset, direction) / span, std::max(0.0, s_low - arc_[i]),
+                                    std::min(span, s_high - arc_[i]));
+    const Point away = offset - (along / span) * direction;
+    const double squared = Dot(away, away);
+    if (squared < best_squared) {
+      best_squared = squared;
+      const double side = Cross(direction, offset);
+      best.s = arc_[i] + along;
+      best.distance = std::sqrt(squared);
+      best.lateral = std::copysign(best.distance, side);
+    }
+  }
+  return best;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,65 @@
+// A scenario: a road network, its traffic, and the ego's way through it. One folder with a scenario.yaml (and
+// the network's plain XML, unless it drives on another scenario's network); adding a scenario is adding a
+// folder under actor/scenarios.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+enum class FlowPosition { kRandom, kLaneEnd };
+
+// One vehicle of every driver type, looping over the same edges for ever.
+struct TrafficFlow {
+  std::vector<std::string> edges;
+  int depart_lane = 0;
+  int arrival_lane = 0;
+  FlowPosition depart = FlowPosition::kRandom;
+  FlowPosition arrival = FlowPosition::kRandom;
+};
+
+// What a traffic profile changes: SUMO options (name, value) and attributes of every driver type.
+struct ProfileSettings {
+  std::vector<std::pair<std::string, std::string>> sumo_options;
+  std::vector<std::pair<std::string, std::string>> driver_attributes;
+};
+
+struct Scenario {
+  std::string name;
+  std::filesystem::path network;  // .net.xml, built by netconvert
+  double warm_up_s = 0.0;
+  // Lanes to follow, junctions left out; the goal is the end of the last one.
+  std::vector<std::string> ego_lanes;
+  double ego_start_offset_m = 0.0;  // of the front bumper, along the first lane
+  int driver_types = 1;
+  std::vector<TrafficFlow> flows;
+  ProfileSettings calibrated;
+  ProfileSettings plain;
+
+  int population() const { return driver_types * static_cast<int>(flows.size()); }
+  const ProfileSettings& profile(TrafficProfile which) const {
+    return which == TrafficProfile::kCalibrated ? calibrated : plain;
+  }
+};
+
+// Where the built scenarios are: $DADRL_SCENARIOS, else ../share/dadrl/scenarios beside the executable's
+// folder, else the build tree.
+std::filesystem::path ScenarioDirectory();
+
+// Every scenario of `directory`, sorted.
+std::vector<std::string> ScenarioNames(const std::filesystem::path& directory = ScenarioDirectory());
+
+// kInvalidArgument: no such scenario (with the nearest name), or a broken scenario.yaml (file, line, key,
+// what is expected). kNotFound: the network's file is missing. Lanes and edges are checked against the
+// network by Simulation::Create.
+Result<Scenario> LoadScenario(std::string_view name,
+                              const std::filesystem::path& directory = ScenarioDirectory());
+
+}  // namespace dadrl
