@@ -5,8 +5,10 @@
 // chunk is up to 64 consecutive frames of one episode. Frame payloads are compressed one by one, so that the
 // replay stores and slices chunks without decoding a frame.
 //
-// Wire format, little endian: ChunkHeader | columns (policy_version u32[n], action f32[n][2], reward f32[n],
-// flags u8[n] padded to 4, offset u32[n + 1]) | frame payloads | xxh3-64 of everything before.
+// Wire format, little endian: magic u32, version u32, actor u32, first_frame u32, frames u32, payload bytes
+// u32, incarnation u64, sequence u64, episode u64, schema u64 | policy_version u32[n], action f32[n][2],
+// reward f32[n], flags u8[n] padded with zeros to 4, offset u32[n + 1] | frame payloads | xxh3-64 of
+// everything before. What a payload holds: frame_codec.cpp.
 #pragma once
 
 #include <array>
@@ -28,6 +30,7 @@ constexpr int kMaxChunkFrames = 64;
 constexpr size_t kMaxChunkBytes = size_t{4} << 20;
 
 // Bits of a frame's flags.
+// A frame without an action is the final observation after a truncation: the last of its episode.
 enum FrameFlag : uint8_t {
   kHasAction = 1,   // action, reward and policy_version are valid
   kTerminated = 2,  // the action ended the episode; nothing follows
@@ -52,19 +55,23 @@ struct ChunkHeader {
 
 uint64_t SchemaHash(const ObservationSpec& spec);
 
-// Compresses one observation: floats as fp32 or fp16, context planes as bits. Lossless for fp32.
-// Keeps its scratch memory; one a thread.
+// Compresses one observation: floats as fp32 or fp16, context planes as bits. Lossless for fp32, to half
+// precision for fp16 (finite values beyond 65504 become 65504). Keeps its scratch memory; one a thread.
 class FrameCodec {
  public:
   FrameCodec(const ObservationSpec& spec, FloatCoding floats);
   ~FrameCodec();
   FrameCodec(FrameCodec&&) noexcept;
+  FrameCodec& operator=(FrameCodec&&) noexcept;
+
+  // No payload of this spec is longer.
+  size_t max_payload_bytes() const;
 
   // Appends the payload to `out`.
   void Encode(const Observation& observation, std::vector<std::byte>& out);
   // Fills the three arrays (sized as in Observation). kCorrupt when the payload is not exactly one frame of
-  // this spec; reads nothing beyond it, whatever it holds. Either float coding is accepted: the payload says
-  // which.
+  // this spec with finite floats (the arrays are then unspecified); reads nothing beyond it, whatever it
+  // holds. Either float coding is accepted: the payload says which.
   Status Decode(std::span<const std::byte> payload, std::span<float> vehicles, std::span<float> ego,
                 std::span<uint8_t> context);
 
@@ -86,11 +93,17 @@ class ChunkBuilder {
   // The observation after a truncation.
   void AddFinal(const Observation& observation);
   int frames() const { return static_cast<int>(flags_.size()); }
+  // No other frame may be added: kMaxChunkFrames are in, or the next might exceed kMaxChunkBytes (which takes
+  // an observation far larger than the default one).
+  bool full() const;
 
   // The chunk's bytes under `identity`. Needs at least one frame.
   std::vector<std::byte> Finish(const ChunkIdentity& identity) const;
 
  private:
+  void AddFrame(const Observation& observation, const Action& action, float reward, uint8_t flags,
+                uint32_t policy_version);
+
   FrameCodec codec_;
   uint64_t schema_;
   uint64_t episode_ = 0;
@@ -106,8 +119,8 @@ class ChunkBuilder {
 // A validated look into a chunk's bytes; borrows them.
 class ChunkView {
  public:
-  // Checks magic, version, lengths, offsets, flags, finiteness of actions and rewards, checksum. Never reads
-  // outside `bytes`. kCorrupt with what was wrong.
+  // Checks magic, version, lengths, offsets, flags and their order, finiteness of actions and rewards,
+  // checksum; not the payloads. Never reads outside `bytes`. kCorrupt with what was wrong.
   static Result<ChunkView> Parse(std::span<const std::byte> bytes);
 
   const ChunkHeader& header() const { return header_; }
@@ -117,9 +130,13 @@ class ChunkView {
   float reward(int frame) const;
   uint8_t flags(int frame) const;
   std::span<const std::byte> payload(int frame) const;
+  // Serialised length of the payloads of frames [0, frame).
+  uint32_t offset(int frame) const;
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
+  Status CheckFrames() const;
+
   std::span<const std::byte> bytes_;
   ChunkHeader header_;
   const std::byte* policy_versions_ = nullptr;

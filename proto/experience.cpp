@@ -1,0 +1,198 @@
+#include "proto/experience.h"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "common/io/byte_io.h"
+#include "common/io/checksum.h"
+
+namespace dadrl {
+namespace {
+
+constexpr uint32_t kChunkMagic = 0x43584441;  // "ADXC"
+constexpr size_t kHeaderBytes = 56;
+constexpr size_t kChecksumBytes = 8;
+
+constexpr size_t PaddedFlags(size_t frames) { return (frames + 3) / 4 * 4; }
+constexpr size_t ColumnBytes(size_t frames) {
+  return frames * (4 + sizeof(Action) + 4) + PaddedFlags(frames) + (frames + 1) * 4;
+}
+
+template <typename T>
+T Load(const std::byte* from, int index) {
+  T value;
+  std::memcpy(&value, from + static_cast<size_t>(index) * sizeof(T), sizeof(T));
+  return value;
+}
+
+}  // namespace
+
+uint64_t SchemaHash(const ObservationSpec& spec) {
+  std::vector<std::byte> bytes;
+  ByteWriter writer(bytes);
+  for (const int value : {static_cast<int>(kExperienceVersion), spec.vehicles, spec.history,
+                          ObservationSpec::kVehicleFeatures, ObservationSpec::kEgoFeatures,
+                          ObservationSpec::kContextPlanes, ObservationSpec::kContextSize, kActionSize}) {
+    writer.Put(value);
+  }
+  return Xxh3(bytes);
+}
+
+ChunkBuilder::ChunkBuilder(const ObservationSpec& spec, FloatCoding floats)
+    : codec_(spec, floats), schema_(SchemaHash(spec)) {
+  Begin(0, 0);
+}
+
+void ChunkBuilder::Begin(uint64_t episode, uint32_t first_frame) {
+  episode_ = episode;
+  first_frame_ = first_frame;
+  policy_versions_.clear();
+  actions_.clear();
+  rewards_.clear();
+  flags_.clear();
+  offsets_.assign(1, 0);
+  payloads_.clear();
+}
+
+void ChunkBuilder::AddTransition(const Observation& observation, const Action& action, float reward,
+                                 uint8_t flags, uint32_t policy_version) {
+  assert((flags & ~(kTerminated | kTruncated)) == 0);
+  AddFrame(observation, action, reward, static_cast<uint8_t>(flags | kHasAction), policy_version);
+}
+
+void ChunkBuilder::AddFinal(const Observation& observation) { AddFrame(observation, {}, 0.0f, 0, 0); }
+
+void ChunkBuilder::AddFrame(const Observation& observation, const Action& action, float reward, uint8_t flags,
+                            uint32_t policy_version) {
+  assert(!full());
+  codec_.Encode(observation, payloads_);
+  policy_versions_.push_back(policy_version);
+  actions_.push_back(action);
+  rewards_.push_back(reward);
+  flags_.push_back(flags);
+  offsets_.push_back(static_cast<uint32_t>(payloads_.size()));
+}
+
+bool ChunkBuilder::full() const {
+  const size_t frames = flags_.size();
+  const size_t with_another =
+      kHeaderBytes + ColumnBytes(frames + 1) + payloads_.size() + codec_.max_payload_bytes() + kChecksumBytes;
+  return frames == kMaxChunkFrames || (frames > 0 && with_another > kMaxChunkBytes);
+}
+
+std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const {
+  assert(!flags_.empty());
+  const size_t frames = flags_.size();
+  std::vector<std::byte> bytes;
+  bytes.reserve(kHeaderBytes + ColumnBytes(frames) + payloads_.size() + kChecksumBytes);
+  ByteWriter writer(bytes);
+  writer.Put(kChunkMagic);
+  writer.Put(kExperienceVersion);
+  writer.Put(identity.actor);
+  writer.Put(first_frame_);
+  writer.Put(static_cast<uint32_t>(frames));
+  writer.Put(static_cast<uint32_t>(payloads_.size()));
+  writer.Put(identity.incarnation);
+  writer.Put(identity.sequence);
+  writer.Put(episode_);
+  writer.Put(schema_);
+  writer.PutBytes(std::as_bytes(std::span(policy_versions_)));
+  writer.PutBytes(std::as_bytes(std::span(actions_)));
+  writer.PutBytes(std::as_bytes(std::span(rewards_)));
+  writer.PutBytes(std::as_bytes(std::span(flags_)));
+  bytes.resize(bytes.size() + PaddedFlags(frames) - frames);
+  writer.PutBytes(std::as_bytes(std::span(offsets_)));
+  writer.PutBytes(payloads_);
+  writer.Put(Xxh3(bytes));
+  return bytes;
+}
+
+Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
+  if (bytes.size() < kHeaderBytes + kChecksumBytes || bytes.size() > kMaxChunkBytes) {
+    return Fail(ErrorCode::kCorrupt, "chunk of {} bytes; one has {} to {}", bytes.size(),
+                kHeaderBytes + kChecksumBytes, kMaxChunkBytes);
+  }
+  ByteReader reader(bytes);
+  if (reader.Get<uint32_t>() != kChunkMagic) return Fail(ErrorCode::kCorrupt, "chunk has no magic number");
+  const auto version = reader.Get<uint32_t>();
+  if (version != kExperienceVersion) {
+    return Fail(ErrorCode::kCorrupt, "chunk has version {}, this build reads {}", version,
+                kExperienceVersion);
+  }
+  ChunkView view;
+  view.bytes_ = bytes;
+  ChunkHeader& header = view.header_;
+  header.identity.actor = reader.Get<uint32_t>();
+  header.first_frame = reader.Get<uint32_t>();
+  header.frames = reader.Get<uint32_t>();
+  const size_t payload_bytes = reader.Get<uint32_t>();
+  header.identity.incarnation = reader.Get<uint64_t>();
+  header.identity.sequence = reader.Get<uint64_t>();
+  header.episode = reader.Get<uint64_t>();
+  header.schema = reader.Get<uint64_t>();
+  const size_t frames = header.frames;
+  if (frames < 1 || frames > kMaxChunkFrames) {
+    return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", frames, kMaxChunkFrames);
+  }
+  const size_t expected = kHeaderBytes + ColumnBytes(frames) + payload_bytes + kChecksumBytes;
+  if (bytes.size() != expected) {
+    return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
+  }
+  if (Xxh3(bytes.first(bytes.size() - kChecksumBytes)) != Load<uint64_t>(&bytes[bytes.size() - 8], 0)) {
+    return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
+  }
+  view.policy_versions_ = bytes.data() + kHeaderBytes;
+  view.actions_ = view.policy_versions_ + frames * 4;
+  view.rewards_ = view.actions_ + frames * sizeof(Action);
+  view.flags_ = view.rewards_ + frames * 4;
+  view.offsets_ = view.flags_ + PaddedFlags(frames);
+  view.payloads_ = view.offsets_ + (frames + 1) * 4;
+  if (header.identity.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
+    return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.identity.sequence,
+                header.first_frame);
+  }
+  if (view.offset(0) != 0 || view.offset(view.frames()) != payload_bytes) {
+    return Fail(ErrorCode::kCorrupt, "chunk's offsets do not span its payloads");
+  }
+  DADRL_RETURN_IF_ERROR(view.CheckFrames());
+  return view;
+}
+
+Status ChunkView::CheckFrames() const {
+  for (int i = 0; i < frames(); ++i) {
+    if (offset(i + 1) < offset(i)) return Fail(ErrorCode::kCorrupt, "chunk's offset {} goes back", i + 1);
+    const Action a = action(i);
+    if (!std::isfinite(reward(i)) || !std::isfinite(a[0]) || !std::isfinite(a[1])) {
+      return Fail(ErrorCode::kCorrupt, "chunk's frame {} has an action or reward that is not finite", i);
+    }
+    const uint8_t bits = flags(i);
+    const bool last = i == frames() - 1;
+    const bool known = (bits & ~(kHasAction | kTerminated | kTruncated)) == 0;
+    const bool one_end = (bits & (kTerminated | kTruncated)) != (kTerminated | kTruncated);
+    const bool final_frame = (bits & kHasAction) == 0;
+    const bool ends_here = final_frame || (bits & kTerminated) != 0;
+    const bool after_truncation = i > 0 && (flags(i - 1) & kTruncated) != 0;
+    // In a chunk's first frame a final observation may follow a truncation of the chunk before.
+    const bool final_in_place = i == 0 || final_frame == after_truncation;
+    if (!known || !one_end || (final_frame && bits != 0) || (ends_here && !last) || !final_in_place) {
+      return Fail(ErrorCode::kCorrupt, "chunk's frame {} of {} has impossible flags {:#04x}", i, frames(),
+                  bits);
+    }
+  }
+  return {};
+}
+
+uint32_t ChunkView::policy_version(int frame) const { return Load<uint32_t>(policy_versions_, frame); }
+Action ChunkView::action(int frame) const { return Load<Action>(actions_, frame); }
+float ChunkView::reward(int frame) const { return Load<float>(rewards_, frame); }
+uint8_t ChunkView::flags(int frame) const { return Load<uint8_t>(flags_, frame); }
+uint32_t ChunkView::offset(int frame) const { return Load<uint32_t>(offsets_, frame); }
+
+std::span<const std::byte> ChunkView::payload(int frame) const {
+  return {payloads_ + offset(frame), payloads_ + offset(frame + 1)};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,177 @@
+#include "proto/sample_batch.h"
+
+#include <cassert>
+#include <cmath>
+
+#include "common/io/byte_io.h"
+#include "common/io/checksum.h"
+
+namespace dadrl {
+namespace {
+
+constexpr uint32_t kBatchMagic = 0x42584441;  // "ADXB"
+constexpr uint32_t kBatchVersion = 1;
+constexpr size_t kHeaderBytes = 24;
+constexpr size_t kEntryBytes = 40;
+constexpr size_t kChecksumBytes = 8;
+
+struct Entry {
+  uint64_t key = 0;
+  float importance_weight = 0.0f;
+  uint32_t policy_version = 0;
+  Action action{};
+  int steps = 0;
+  bool terminated = false;
+  uint32_t first_bytes = 0;
+  uint32_t next_bytes = 0;
+};
+
+void PutEntry(const SampledItem& item, ByteWriter& writer) {
+  writer.Put(item.key);
+  writer.Put(item.probability);
+  writer.Put(item.importance_weight);
+  writer.Put(item.policy_version);
+  for (const float a : item.action) writer.Put(a);
+  writer.Put(static_cast<uint16_t>(item.rewards.size()));
+  writer.Put(static_cast<uint16_t>(item.terminated));
+  writer.Put(static_cast<uint32_t>(item.first.size()));
+  writer.Put(static_cast<uint32_t>(item.next.size()));
+}
+
+Result<Entry> GetEntry(ByteReader& reader) {
+  Entry entry;
+  entry.key = reader.Get<uint64_t>();
+  const auto probability = reader.Get<float>();
+  entry.importance_weight = reader.Get<float>();
+  entry.policy_version = reader.Get<uint32_t>();
+  for (float& a : entry.action) a = reader.Get<float>();
+  entry.steps = reader.Get<uint16_t>();
+  const auto terminated = reader.Get<uint16_t>();
+  entry.terminated = terminated == 1;
+  entry.first_bytes = reader.Get<uint32_t>();
+  entry.next_bytes = reader.Get<uint32_t>();
+  const bool numbers = std::isfinite(probability) && std::isfinite(entry.importance_weight) &&
+                       std::isfinite(entry.action[0]) && std::isfinite(entry.action[1]);
+  if (!reader.ok() || !numbers || entry.steps < 1 || entry.steps > kMaxSliceSteps || terminated > 1 ||
+      entry.terminated != (entry.next_bytes == 0)) {
+    return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} of {} steps is malformed", entry.key,
+                entry.steps);
+  }
+  return entry;
+}
+
+// Decodes one observation into row `index` of `batch`; an empty payload is all zero.
+Status DecodeRow(std::span<const std::byte> payload, FrameCodec& codec, size_t index,
+                 ObservationBatch& batch) {
+  const auto row = [&](auto& values) {
+    const size_t length = values.size() / static_cast<size_t>(batch.size);
+    return std::span(values).subspan(index * length, length);
+  };
+  const auto vehicles = row(batch.vehicles);
+  const auto ego = row(batch.ego);
+  const auto context = row(batch.context);
+  if (!payload.empty()) return codec.Decode(payload, vehicles, ego, context);
+  std::fill(vehicles.begin(), vehicles.end(), 0.0f);
+  std::fill(ego.begin(), ego.end(), 0.0f);
+  std::fill(context.begin(), context.end(), uint8_t{0});
+  return {};
+}
+
+// The checked body of the message: entries, rewards and payloads.
+Result<std::span<const std::byte>> CheckEnvelope(std::span<const std::byte> bytes, uint64_t schema,
+                                                 int size) {
+  if (bytes.size() < kHeaderBytes + kChecksumBytes) {
+    return Fail(ErrorCode::kCorrupt, "sample batch of {} bytes is too short", bytes.size());
+  }
+  const auto content = bytes.first(bytes.size() - kChecksumBytes);
+  ByteReader reader(bytes);
+  if (reader.Get<uint32_t>() != kBatchMagic || reader.Get<uint32_t>() != kBatchVersion) {
+    return Fail(ErrorCode::kCorrupt, "sample batch has no magic number of version {}", kBatchVersion);
+  }
+  const auto batch_schema = reader.Get<uint64_t>();
+  const auto count = reader.Get<uint32_t>();
+  const auto total = reader.Get<uint32_t>();
+  if (total != bytes.size()) {
+    return Fail(ErrorCode::kCorrupt, "sample batch of {} bytes, its header says {}", bytes.size(), total);
+  }
+  if (ByteReader(bytes.last(kChecksumBytes)).Get<uint64_t>() != Xxh3(content)) {
+    return Fail(ErrorCode::kCorrupt, "sample batch fails its checksum");
+  }
+  if (batch_schema != schema) {
+    return Fail(ErrorCode::kCorrupt, "sample batch has schema {:#x}, this process has {:#x}", batch_schema,
+                schema);
+  }
+  if (count != static_cast<uint32_t>(size)) {
+    return Fail(ErrorCode::kCorrupt, "sample batch of {} items, asked for {}", count, size);
+  }
+  return content.subspan(kHeaderBytes);
+}
+
+}  // namespace
+
+std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema) {
+  size_t total = kHeaderBytes + items.size() * kEntryBytes + kChecksumBytes;
+  for (const SampledItem& item : items) {
+    assert(!item.rewards.empty() && item.rewards.size() <= kMaxSliceSteps);
+    total += item.rewards.size_bytes() + item.first.size() + item.next.size();
+  }
+  std::vector<std::byte> bytes;
+  bytes.reserve(total);
+  ByteWriter writer(bytes);
+  writer.Put(kBatchMagic);
+  writer.Put(kBatchVersion);
+  writer.Put(schema);
+  writer.Put(static_cast<uint32_t>(items.size()));
+  writer.Put(static_cast<uint32_t>(total));
+  for (const SampledItem& item : items) PutEntry(item, writer);
+  for (const SampledItem& item : items) writer.PutBytes(std::as_bytes(item.rewards));
+  for (const SampledItem& item : items) {
+    writer.PutBytes(item.first);
+    writer.PutBytes(item.next);
+  }
+  writer.Put(Xxh3(bytes));
+  return bytes;
+}
+
+Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, double gamma, FrameCodec& codec,
+                         TransitionBatch& batch) {
+  DADRL_ASSIGN_OR_RETURN(const auto body, CheckEnvelope(bytes, schema, batch.size));
+  const auto count = static_cast<size_t>(batch.size);
+  ByteReader entries(body);
+  std::vector<Entry> items(count);
+  size_t steps = 0;
+  for (Entry& item : items) {
+    DADRL_ASSIGN_OR_RETURN(item, GetEntry(entries));
+    steps += static_cast<size_t>(item.steps);
+  }
+  ByteReader rewards(body.subspan(count * kEntryBytes));
+  ByteReader payloads = rewards;
+  payloads.GetBytes(steps * sizeof(float));
+  for (size_t i = 0; i < count; ++i) {
+    const Entry& item = items[i];
+    double sum = 0.0;
+    double factor = 1.0;
+    for (int step = 0; step < item.steps; ++step, factor *= gamma) {
+      sum += factor * static_cast<double>(rewards.Get<float>());
+    }
+    const auto first = payloads.GetBytes(item.first_bytes);
+    const auto next = payloads.GetBytes(item.next_bytes);
+    if (!payloads.ok() || !std::isfinite(sum) || first.empty()) {
+      return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} does not fit into it", item.key);
+    }
+    DADRL_RETURN_IF_ERROR(DecodeRow(first, codec, i, batch.observation));
+    DADRL_RETURN_IF_ERROR(DecodeRow(next, codec, i, batch.next_observation));
+    for (size_t a = 0; a < kActionSize; ++a) batch.action[i * kActionSize + a] = item.action[a];
+    batch.reward[i] = static_cast<float>(sum);
+    batch.discount[i] = item.terminated ? 0.0f : static_cast<float>(factor);
+    batch.weight[i] = item.importance_weight;
+    batch.key[i] = item.key;
+    batch.policy_version[i] = item.policy_version;
+  }
+  if (payloads.remaining() != 0) {
+    return Fail(ErrorCode::kCorrupt, "sample batch has {} bytes too many", payloads.remaining());
+  }
+  return {};
+}
+
+}  // namespace dadrl
