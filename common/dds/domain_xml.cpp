@@ -60,7 +60,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<CycloneDDS><Domain Id=\"any\">"
       "<General>{}</General>"
       "<Discovery><ExternalDomainId>{}</ExternalDomainId><ParticipantIndex>{}</ParticipantIndex>"
-      "<Peers>{}</Peers><LeaseDuration>{} s</LeaseDuration><SPDPInterval>{} s</SPDPInterval>"
+      "<Peers>{}</Peers><LeaseDuration>{} s</LeaseDuration><SPDPInterval>1 s</SPDPInterval>"
       "<Ports><Base>{}</Base><DomainGain>100</DomainGain><ParticipantGain>2</ParticipantGain>"
       "<MulticastMetaOffset>0</MulticastMetaOffset><MulticastDataOffset>1</MulticastDataOffset>"
       "<UnicastMetaOffset>10</UnicastMetaOffset><UnicastDataOffset>11</UnicastDataOffset></Ports></Discovery>"
@@ -68,7 +68,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<Tracing><Verbosity>warning</Verbosity></Tracing>"
       "</Domain></CycloneDDS>",
       GeneralXml(cluster, interface_address), static_cast<int>(plane), participant,
-      PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s, 0.5, cluster.port,
+      PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s, cluster.port,
       InternalXml(cluster.receive_buffer_bytes));
 }
 

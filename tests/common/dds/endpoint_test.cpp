@@ -1,0 +1,159 @@
+#include "common/dds/endpoint.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <numeric>
+#include <thread>
+
+#include "tests/common/dds/dds_fixture.h"
+
+namespace dadrl::dds {
+namespace {
+
+class EndpointTest : public ::testing::Test {
+ protected:
+  const ClusterConfig cluster_ = LoopbackCluster();
+  std::unique_ptr<Node> replay_ = MakeNode(cluster_, Role::kReplay);
+  std::unique_ptr<Node> actor_ = MakeNode(cluster_, Role::kActor);
+};
+
+std::vector<uint32_t> TakeNumbers(BlobReader& reader, int max = 1000) {
+  std::vector<uint32_t> numbers;
+  reader.Take(max, [&](const dds_test_Blob& blob) { numbers.push_back(blob.number); });
+  return numbers;
+}
+
+TEST_F(EndpointTest, DeliversEverySampleWholeAndInOrder) {
+  const auto reader = BlobReader::Create(*replay_, kStream).value();
+  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+  ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+  constexpr uint32_t kSamples = 40;
+  std::vector<uint8_t> sent(300000);
+  std::iota(sent.begin(), sent.end(), uint8_t{0});
+  std::thread sender([&] {
+    for (uint32_t i = 0; i < kSamples;) i += writer->Write(MakeBlob(i, sent)) ? 1 : 0;
+  });
+  uint32_t expected = 0;
+  EXPECT_TRUE(Eventually([&] {
+    reader->Wait(std::chrono::milliseconds(100));
+    reader->Take(100, [&](const dds_test_Blob& blob) {
+      EXPECT_EQ(blob.number, expected++);
+      EXPECT_TRUE(
+          std::equal(sent.begin(), sent.end(), blob.bytes._buffer, blob.bytes._buffer + blob.bytes._length));
+    });
+    return expected == kSamples;
+  }));
+  sender.join();
+}
+
+TEST_F(EndpointTest, GivesALateReaderTheNewestSampleOnly) {
+  const auto writer = BlobWriter::Create(*replay_, kNewest).value();
+  std::vector<uint8_t> bytes(2000000);
+  for (uint32_t version = 1; version <= 3; ++version) ASSERT_TRUE(writer->Write(MakeBlob(version, bytes)));
+  const auto reader = BlobReader::Create(*actor_, kNewest).value();
+  EXPECT_TRUE(reader->Wait(std::chrono::seconds(20)));
+  EXPECT_THAT(TakeNumbers(*reader), ::testing::ElementsAre(3));
+}
+
+TEST_F(EndpointTest, PushesBackWhenTheReaderIsFull) {
+  const auto reader = BlobReader::Create(*replay_, kStream).value();
+  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+  ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+  std::vector<uint8_t> bytes(100000);
+  uint32_t sent = 0;
+  Status status;
+  while ((status = writer->Write(MakeBlob(sent, bytes))) && sent < 1000) ++sent;
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::kUnavailable);
+  // What was accepted arrives; what was refused was not sent.
+  std::vector<uint32_t> received;
+  EXPECT_TRUE(Eventually([&] {
+    for (const uint32_t number : TakeNumbers(*reader)) received.push_back(number);
+    return received.size() >= sent;
+  }));
+  EXPECT_TRUE(Eventually([&] { return writer->Write(MakeBlob(sent, bytes)).has_value(); }));
+  EXPECT_TRUE(Eventually([&] {
+    for (const uint32_t number : TakeNumbers(*reader)) received.push_back(number);
+    return received.size() == sent + 1;
+  }));
+  for (uint32_t i = 0; i < received.size(); ++i) EXPECT_EQ(received[i], i);
+}
+
+TEST_F(EndpointTest, AFullReaderLeavesTheOtherPlaneAlone) {
+  const auto full = BlobReader::Create(*replay_, kStream).value();
+  const auto newest = BlobReader::Create(*replay_, kNewest).value();
+  const auto stream = BlobWriter::Create(*actor_, kStream).value();
+  const auto control = BlobWriter::Create(*actor_, kNewest).value();
+  ASSERT_TRUE(Eventually([&] { return stream->matched() == 1 && control->matched() == 1; }));
+  std::vector<uint8_t> bytes(100000);
+  while (stream->Write(MakeBlob(0, bytes))) {
+  }
+  for (uint32_t i = 1; i <= 20; ++i) {
+    ASSERT_TRUE(control->Write(MakeBlob(i, bytes)));
+    ASSERT_TRUE(Eventually([&] { return TakeNumbers(*newest) == std::vector<uint32_t>{i}; }));
+  }
+}
+
+TEST_F(EndpointTest, PartitionsMatchOnlyTheirOwn) {
+  TopicSpec zero = kStream;
+  zero.partition = 0;
+  TopicSpec one = kStream;
+  one.partition = 1;
+  const auto reader_zero = BlobReader::Create(*replay_, zero).value();
+  const auto reader_one = BlobReader::Create(*replay_, one).value();
+  const auto writer = BlobWriter::Create(*actor_, one).value();
+  ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+  EXPECT_TRUE(Eventually([&] { return reader_one->matched() == 1; }));
+  EXPECT_EQ(reader_zero->matched(), 0);
+}
+
+TEST_F(EndpointTest, WakeEndsAWaitWithoutASample) {
+  const auto reader = BlobReader::Create(*replay_, kStream).value();
+  reader->Wake();
+  EXPECT_FALSE(reader->Wait(std::chrono::hours(1)));
+  std::thread waker([&] { reader->Wake(); });
+  EXPECT_FALSE(reader->Wait(std::chrono::hours(1)));
+  waker.join();
+  EXPECT_FALSE(reader->Wait(Duration::zero()));
+}
+
+TEST_F(EndpointTest, CountsEachNewReaderAsAGeneration) {
+  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+  uint64_t generation = writer->match_generation();
+  for (int i = 0; i < 2; ++i) {
+    const auto reader = BlobReader::Create(*replay_, kStream).value();
+    ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+    EXPECT_GT(writer->match_generation(), generation);
+    generation = writer->match_generation();
+    replay_ = nullptr;  // takes the reader's domain with it
+    ASSERT_TRUE(Eventually([&] { return writer->matched() == 0; }));
+    replay_ = MakeNode(cluster_, Role::kReplay);
+  }
+}
+
+TEST_F(EndpointTest, AKilledWriterLosesItsLivelinessLongBeforeTheLease) {
+  ClusterConfig cluster = cluster_;
+  cluster.liveliness_s = 0.5;
+  replay_ = nullptr;
+  replay_ = MakeNode(cluster, Role::kReplay);
+  const auto reader = BlobReader::Create(*replay_, kBeat).value();
+  const std::string program = DADRL_BINARY_DIR "/tests/dds_test_peer";
+  const std::string port = std::to_string(cluster.port);
+  std::string lease = "0.5";
+  std::vector<char*> arguments{const_cast<char*>(program.c_str()), const_cast<char*>(port.c_str()),
+                               lease.data(), nullptr};
+  pid_t child = 0;
+  ASSERT_EQ(::posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ), 0);
+  EXPECT_TRUE(Eventually([&] { return reader->alive() == 1; }));
+  EXPECT_EQ(reader->matched(), 1);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_TRUE(Eventually([&] { return reader->alive() == 0; }));
+  EXPECT_EQ(reader->matched(), 1) << "the peer's lease of 60 s";
+}
+
+}  // namespace
+}  // namespace dadrl::dds

@@ -1,0 +1,125 @@
+#include "common/dds/node.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "common/dds/address.h"
+#include "common/dds/udp_socket.h"
+#include "tests/common/dds/dds_fixture.h"
+
+namespace dadrl::dds {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(DomainXml, ActorsKnowTheServicesAndNobodyElse) {
+  ClusterConfig cluster;
+  cluster.port = 20000;
+  const std::string xml = DomainXml(cluster, 2, Role::kActor, 7, Plane::kControl, "127.0.0.1");
+  EXPECT_THAT(xml, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20110\"/><Peer Address=\"127.0.0.1:20112\"/>"
+                             "<Peer Address=\"127.0.0.1:20114\"/></Peers>"));
+  EXPECT_THAT(xml, HasSubstr("<ParticipantIndex>none</ParticipantIndex>"));
+}
+
+TEST(DomainXml, ServicesStandAtTheirPlaceAndKnowEachOther) {
+  ClusterConfig cluster;
+  cluster.port = 20000;
+  const std::string learner = DomainXml(cluster, 2, Role::kLearner, 0, Plane::kData, "127.0.0.1");
+  EXPECT_THAT(learner, HasSubstr("<ParticipantIndex>2</ParticipantIndex>"));
+  EXPECT_THAT(learner, Not(HasSubstr(":20014")));
+  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kData, "127.0.0.1");
+  EXPECT_THAT(shard, HasSubstr("<ParticipantIndex>1</ParticipantIndex>"));
+  EXPECT_THAT(shard, HasSubstr("<Peer Address=\"127.0.0.1:20010\"/><Peer Address=\"127.0.0.1:20014\"/>"));
+}
+
+TEST(DomainXml, FragmentsAreLargeOnLoopbackOnly) {
+  ClusterConfig cluster;
+  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, "127.0.0.1"), HasSubstr("65000 B"));
+  cluster.host = "10.0.0.1";
+  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, "10.0.0.2"), Not(HasSubstr("65000 B")));
+}
+
+TEST(FindFreePort, GivesEachCallerItsOwnBlock) {
+  std::set<int> bases;
+  for (int i = 0; i < 5; ++i) {
+    const auto base = FindFreePort();
+    ASSERT_TRUE(base) << base.error().message;
+    EXPECT_GE(*base, 1024);
+    EXPECT_LE(*base + kPortBlock, 32768);
+    EXPECT_TRUE(bases.insert(*base).second);
+  }
+}
+
+TEST(FindFreePort, SkipsABlockInWhichAnyPortIsTaken) {
+  UdpSocket taken;
+  const int base = FindFreePort().value();
+  ASSERT_TRUE(taken.Bind(base + 117));
+  EXPECT_FALSE(IsUdpPortFree(base + 117));
+  for (int i = 0; i < 5; ++i) EXPECT_NE(FindFreePort().value(), base);
+}
+
+TEST(Node, NamesThePortThatIsTaken) {
+  const ClusterConfig cluster = LoopbackCluster();
+  const auto first = MakeNode(cluster, Role::kLearner);
+  const auto second = Node::Create(cluster, 1, Role::kLearner, 0);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(second.error().message, HasSubstr(std::to_string(cluster.port + 12)));
+  EXPECT_THAT(second.error().message, HasSubstr("cluster.port"));
+}
+
+TEST(Node, GivesItsPortsBackWhenItGoes) {
+  const ClusterConfig cluster = LoopbackCluster();
+  for (int i = 0; i < 3; ++i) EXPECT_NE(MakeNode(cluster, Role::kReplay), nullptr);
+}
+
+TEST(Node, RefusesAHostThatIsNotHere) {
+  ClusterConfig cluster = LoopbackCluster();
+  cluster.host = "203.0.113.1";
+  const auto learner = Node::Create(cluster, 1, Role::kLearner, 0);
+  ASSERT_FALSE(learner);
+  EXPECT_EQ(learner.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(learner.error().message, HasSubstr("203.0.113.1"));
+}
+
+TEST(Node, RefusesAHostWithoutAddress) {
+  ClusterConfig cluster = LoopbackCluster();
+  cluster.host = "no host";
+  const auto actor = Node::Create(cluster, 1, Role::kActor, 0);
+  ASSERT_FALSE(actor);
+  EXPECT_EQ(actor.error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Node, RefusesPortsThatDoNotExist) {
+  ClusterConfig cluster;
+  EXPECT_EQ(Node::Create(cluster, 1, Role::kActor, 0).error().code, ErrorCode::kInvalidArgument);
+  cluster.port = 65500;
+  EXPECT_EQ(Node::Create(cluster, 1, Role::kActor, 0).error().code, ErrorCode::kInvalidArgument);
+  cluster = LoopbackCluster();
+  EXPECT_EQ(Node::Create(cluster, 1, Role::kReplay, 1).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Node, IsNotBrokenByCycloneddsUri) {
+  ::setenv("CYCLONEDDS_URI", "<CycloneDDS><Domain><NoSuchElement/></Domain></CycloneDDS>", 1);
+  const ClusterConfig cluster = LoopbackCluster();
+  const auto replay = MakeNode(cluster, Role::kReplay);
+  const auto actor = MakeNode(cluster, Role::kActor);
+  ::unsetenv("CYCLONEDDS_URI");
+  ASSERT_TRUE(replay && actor);
+  const auto reader = BlobReader::Create(*replay, kStream).value();
+  const auto writer = BlobWriter::Create(*actor, kStream).value();
+  EXPECT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+}
+
+TEST(Node, TakesASmallerReceiveBufferThanItAskedFor) {
+  ClusterConfig cluster = LoopbackCluster();
+  cluster.receive_buffer_bytes = int64_t{1} << 30;
+  ASSERT_LT(GrantedReceiveBuffer(cluster.receive_buffer_bytes), cluster.receive_buffer_bytes);
+  EXPECT_NE(MakeNode(cluster, Role::kReplay), nullptr);
+}
+
+}  // namespace
+}  // namespace dadrl::dds
