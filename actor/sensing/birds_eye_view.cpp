@@ -1,0 +1,136 @@
+#include "actor/sensing/birds_eye_view.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+namespace dadrl {
+namespace {
+
+constexpr int kSize = ObservationSpec::kContextSize;
+constexpr size_t kPlaneBytes = ObservationSpec::kContextBytes / ObservationSpec::kContextPlanes;
+constexpr double kCellMetres = 0.2;
+// Half the diagonal of a view, and how far off the network's bounds the ego's centre may be (off-road ends an
+// episode long before).
+constexpr double kPadding = 0.5 * kViewSide * std::numbers::sqrt2 + 5.0;
+// Positions on the grid while a row is stepped along: 16 bits of fraction.
+constexpr double kFixedOne = 65536.0;
+
+static_assert(std::endian::native == std::endian::little, "planes are copied as 64-bit words");
+static_assert(kSize == 128, "a row of a plane is two words");
+
+struct Bounds {
+  Point low{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+  Point high{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest()};
+
+  void Add(Point p, double margin) {
+    low = {std::min(low.x, p.x - margin), std::min(low.y, p.y - margin)};
+    high = {std::max(high.x, p.x + margin), std::max(high.y, p.y + margin)};
+  }
+};
+
+Bounds BoundsOf(const RoadMap& map) {
+  Bounds bounds;
+  for (const Lane& lane : map.lanes()) {
+    for (const Point p : lane.centre.points()) bounds.Add(p, lane.width / 2);
+  }
+  for (const auto& junction : map.junctions()) {
+    for (const Point p : junction) bounds.Add(p, 0.0);
+  }
+  return bounds;
+}
+
+BitGrid EmptyGrid(const Bounds& bounds) {
+  const Point size = bounds.high - bounds.low;
+  return {static_cast<int>(std::ceil((size.x + 2 * kPadding) / kCellMetres)),
+          static_cast<int>(std::ceil((size.y + 2 * kPadding) / kCellMetres))};
+}
+
+void FillLane(const Lane& lane, Point origin, BitGrid& grid) {
+  const std::vector<Point>& points = lane.centre.points();
+  const auto cell = [&](size_t i) { return (1.0 / kCellMetres) * (points[i] - origin); };
+  const double half_width = lane.width / 2 / kCellMetres;
+  for (size_t i = 0; i + 1 < points.size(); ++i) {
+    grid.FillStrip(cell(i), cell(i + 1), half_width, BitGrid::Ends::kSquare);
+    // The wedge that two rectangles leave open on the outside of a bend.
+    if (i > 0) grid.FillStrip(cell(i), cell(i), half_width, BitGrid::Ends::kRound);
+  }
+}
+
+}  // namespace
+
+BirdsEyeView::BirdsEyeView(const RoadMap& map, const Route& route)
+    : route_(route), drivable_(EmptyGrid(BoundsOf(map))), route_plane_(kSize, kSize) {
+  origin_ = BoundsOf(map).low - Point{kPadding, kPadding};
+  for (const Lane& lane : map.lanes()) FillLane(lane, origin_, drivable_);
+  std::vector<Point> polygon;
+  for (const auto& junction : map.junctions()) {
+    polygon.clear();
+    for (const Point p : junction) polygon.push_back((1.0 / kCellMetres) * (p - origin_));
+    drivable_.FillPolygon(polygon);
+  }
+}
+
+void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out) {
+  assert(out.size() == ObservationSpec::kContextBytes);
+  DrawDrivable(ego, out.first(kPlaneBytes));
+  DrawRoute(ego, route_s, out.last(kPlaneBytes));
+}
+
+void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const {
+  const Point centre = (1.0 / kCellMetres) * (ego.position - origin_);
+  const double reach = 0.5 * kViewSide * std::numbers::sqrt2 / kCellMetres + 2.0;
+  if (!(centre.x >= reach && centre.y >= reach && centre.x <= drivable_.width() - reach &&
+        centre.y <= drivable_.height() - reach)) {
+    std::ranges::fill(plane, uint8_t{0});
+    return;
+  }
+  const double pixel = kPixelMetres / kCellMetres;
+  const Point up = pixel * Forward(ego.heading);
+  const Point right{up.y, -up.x};
+  const auto step_x = static_cast<int32_t>(std::lround(right.x * kFixedOne));
+  const auto step_y = static_cast<int32_t>(std::lround(right.y * kFixedOne));
+  const uint64_t* words = drivable_.words().data();
+  const auto stride = static_cast<uint32_t>(drivable_.stride_words());
+  for (int row = 0; row < kSize; ++row) {
+    const Point start = centre + (kSize / 2.0 - row - 0.5) * up + (0.5 - kSize / 2.0) * right;
+    auto x = static_cast<int32_t>(std::lround(start.x * kFixedOne));
+    auto y = static_cast<int32_t>(std::lround(start.y * kFixedOne));
+    uint64_t bits[2] = {0, 0};
+    for (uint64_t& word : bits) {
+      for (unsigned column = 0; column < 64; ++column) {
+        const uint32_t cell_x = static_cast<uint32_t>(x) >> 16U;
+        const uint32_t cell_y = static_cast<uint32_t>(y) >> 16U;
+        word |= (words[cell_y * stride + cell_x / 64] >> (cell_x % 64) & 1U) << column;
+        x += step_x;
+        y += step_y;
+      }
+    }
+    std::memcpy(plane.data() + static_cast<size_t>(row) * sizeof(bits), bits, sizeof(bits));
+  }
+}
+
+void BirdsEyeView::DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane) {
+  const Polyline& line = route_.centre();
+  const double end = std::min(route_s + kRouteAhead, line.length());
+  const auto pixel = [&](Point world) {
+    const Point local = ToLocal(ego, world);
+    return Point{(kViewSide / 2 - local.y) / kPixelMetres, (kViewSide / 2 - local.x) / kPixelMetres};
+  };
+  route_plane_.Clear();
+  Point from = pixel(line.At(route_s));
+  const auto& arc = line.arc();
+  for (auto next = std::ranges::upper_bound(arc, route_s); next != arc.end() && *next < end; ++next) {
+    const Point to = pixel(line.points()[static_cast<size_t>(next - arc.begin())]);
+    route_plane_.FillStrip(from, to, kRouteHalfWidth / kPixelMetres, BitGrid::Ends::kRound);
+    from = to;
+  }
+  route_plane_.FillStrip(from, pixel(line.At(end)), kRouteHalfWidth / kPixelMetres, BitGrid::Ends::kRound);
+  std::memcpy(plane.data(), route_plane_.words().data(), plane.size());
+}
+
+}  // namespace dadrl

@@ -1,0 +1,50 @@
+// A bitmap of one bit a cell that shapes are drawn into.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "actor/sim/geometry.h"
+
+namespace dadrl {
+
+// Cell (row, column) covers [column, column + 1) x [row, row + 1) of the grid's own coordinates; a shape sets
+// the cells whose centre it contains. What lies outside is cut off. Not thread safe while it is drawn into;
+// drawing allocates only in FillPolygon.
+class BitGrid {
+ public:
+  // Whether the ends of a strip are cut square or carry half a disc.
+  enum class Ends { kSquare, kRound };
+
+  BitGrid(int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool Get(int row, int column) const {
+    return (words_[Index(row, column)] >> (static_cast<unsigned>(column) % 64U) & 1U) != 0;
+  }
+  // Row-major, stride_words() words a row, column c is bit c % 64 of word c / 64.
+  std::span<const uint64_t> words() const { return words_; }
+  int stride_words() const { return stride_; }
+
+  void Clear();
+  // All points within `half_width` of the segment a-b, the ends as asked.
+  void FillStrip(Point a, Point b, double half_width, Ends ends);
+  // Even-odd interior of a closed polygon given without its closing point.
+  void FillPolygon(std::span<const Point> polygon);
+
+ private:
+  size_t Index(int row, int column) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(stride_) + static_cast<size_t>(column) / 64;
+  }
+  // Cells of `row` whose centre is within [left, right].
+  void FillSpan(int row, double left, double right);
+
+  int width_;
+  int height_;
+  int stride_;
+  std::vector<uint64_t> words_;
+};
+
+}  // namespace dadrl

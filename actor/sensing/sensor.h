@@ -1,0 +1,41 @@
+// The ego's senses: an Observation of the scene, as features.h and birds_eye_view.h define it.
+#pragma once
+
+#include "actor/sensing/birds_eye_view.h"
+#include "actor/sensing/history.h"
+#include "actor/sensing/localization.h"
+#include "common/config/config.h"
+#include "common/model/observation.h"
+
+namespace dadrl {
+
+// Borrows map and route. Not thread safe.
+class Sensor {
+ public:
+  Sensor(const RoadMap& map, const Route& route, const ObservationConfig& config)
+      : route_(route), history_(map, config), view_(map, route) {}
+
+  // An episode starts.
+  void Reset() { history_.Clear(); }
+  // Once a simulation step, the scene at spawn included.
+  void Update(const WorldState& world, const EgoLocation& location) {
+    history_.Push(world, location);
+    ego_ = world.ego.pose;
+    route_s_ = location.route_s;
+  }
+  // The scene updated last, into an observation of this configuration's spec; allocates nothing.
+  void Observe(Observation& out) {
+    history_.WriteVehicles(out.vehicles);
+    history_.WriteEgo(route_.goal(), out.ego);
+    view_.Draw(ego_, route_s_, out.context);
+  }
+
+ private:
+  const Route& route_;
+  History history_;
+  BirdsEyeView view_;
+  Pose ego_;
+  double route_s_ = 0.0;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,50 @@
+// One episode judged step by step: events, reward, end, metrics.
+#pragma once
+
+#include <cstdint>
+
+#include "actor/sensing/localization.h"
+#include "actor/sim/world_state.h"
+#include "actor/task/episode_summary.h"
+#include "actor/task/events.h"
+#include "actor/task/metrics.h"
+#include "actor/task/reward.h"
+#include "common/config/config.h"
+
+namespace dadrl {
+
+struct TaskStep {
+  Events events;
+  RewardTerms terms;
+  bool terminated = false;  // collision, off-road or goal
+  bool truncated = false;   // the last step allowed, and not terminated
+  bool ended() const { return terminated || truncated; }
+};
+
+// Borrows map and route. Not thread safe; allocates nothing.
+class DrivingTask {
+ public:
+  DrivingTask(const RoadMap& map, const Route& route, const TaskConfig& config)
+      : config_(config), detector_(map, route), reward_(config.reward), metrics_(map) {}
+
+  // The episode of `seed` starts at `location`.
+  void Begin(uint64_t seed, const EgoLocation& location);
+  // The scene after one more simulation step. Not after a step that ended the episode.
+  TaskStep Step(const WorldState& world, const EgoLocation& location);
+  // The same for a scene in which the simulator drove the ego out over the end of its goal lane: a success.
+  TaskStep Arrive(const WorldState& world, const EgoLocation& location);
+
+  // Complete after the step that ended the episode.
+  const EpisodeSummary& summary() const { return summary_; }
+
+ private:
+  TaskStep Judge(const WorldState& world, const EgoLocation& location, const Events& events);
+
+  TaskConfig config_;
+  EventDetector detector_;
+  RewardFunction reward_;
+  EpisodeMetrics metrics_;
+  EpisodeSummary summary_;
+};
+
+}  // namespace dadrl

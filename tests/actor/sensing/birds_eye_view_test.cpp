@@ -1,0 +1,153 @@
+#include "actor/sensing/birds_eye_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/actor/test_maps.h"
+
+namespace dadrl {
+namespace {
+
+constexpr int kSize = ObservationSpec::kContextSize;
+using Planes = std::vector<uint8_t>;
+
+Planes Draw(const RoadMap& map, const Route& route, const Pose& ego) {
+  Planes planes(ObservationSpec::kContextBytes, 0xAA);
+  BirdsEyeView(map, route).Draw(ego, route.centre().Project(ego.position).s, planes);
+  return planes;
+}
+
+bool Pixel(const Planes& planes, int plane, int row, int column) {
+  const auto byte = static_cast<size_t>((plane * kSize + row) * (kSize / 8) + column / 8);
+  return (planes[byte] >> (column % 8) & 1) != 0;
+}
+
+int Count(const Planes& planes, int plane) {
+  int count = 0;
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize; ++column) count += Pixel(planes, plane, row, column) ? 1 : 0;
+  }
+  return count;
+}
+
+int Differences(const Planes& a, const Planes& b, int plane) {
+  int count = 0;
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize; ++column) {
+      count += Pixel(a, plane, row, column) != Pixel(b, plane, row, column) ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+// What the pixel's centre shows, in the ego's frame.
+Point PixelCentre(int row, int column) {
+  return {25.0 - (row + 0.5) * kPixelMetres, 25.0 - (column + 0.5) * kPixelMetres};
+}
+
+// On StraightRoad, driving east in lane 0: road from 1.6 m right to 8 m left; route 1 m to both sides, from
+// 1 m behind to 33 m ahead (outside the view beyond 25 m).
+TEST(BirdsEyeView, StraightRoadIsWhereArithmeticPutsIt) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  const Planes planes = Draw(map, route, {{60, 0}, 0.0});
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize; ++column) {
+      const Point p = PixelCentre(row, column);
+      const bool near_border = std::abs(p.y + 1.6) < 0.15 || std::abs(p.y - 8.0) < 0.15;
+      if (!near_border) {
+        ASSERT_EQ(Pixel(planes, 0, row, column), p.y > -1.6 && p.y < 8.0) << row << ' ' << column;
+      }
+      const bool on_route = std::abs(p.y) <= 1.0 && p.x >= 0.0;
+      const bool in_cap = p.x < 0.0 && std::hypot(p.x, p.y) <= 1.0;
+      ASSERT_EQ(Pixel(planes, 1, row, column), on_route || in_cap) << row << ' ' << column;
+    }
+  }
+}
+
+TEST(BirdsEyeView, AheadIsUpAndLeftIsLeft) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  const Planes planes = Draw(map, route, {{100, 0}, std::numbers::pi / 2});  // facing north, across the road
+  EXPECT_TRUE(Pixel(planes, 0, 50, 10));                                     // 5.3 m ahead: still road
+  EXPECT_FALSE(Pixel(planes, 0, 40, 64));                                    // 9.2 m ahead: beyond it
+  EXPECT_FALSE(Pixel(planes, 0, 70, 64));                                    // 2.5 m behind
+  EXPECT_TRUE(Pixel(planes, 1, 64, 80));                                     // the route goes to the right
+  EXPECT_FALSE(Pixel(planes, 1, 64, 40));
+}
+
+TEST(BirdsEyeView, RouteBandEndsAtTheGoal) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  const Planes planes = Draw(map, route, {{100, 0}, 0.0});  // ten metres before the goal
+  const int last_row = 64 - static_cast<int>(std::ceil(11.0 / kPixelMetres));
+  EXPECT_FALSE(Pixel(planes, 1, last_row - 1, 63));
+  EXPECT_TRUE(Pixel(planes, 1, last_row + 2, 63));
+}
+
+TEST(BirdsEyeView, TurningTheWorldByAQuarterChangesNothing) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  const Pose ego{{57.3, 0.4}, 0.2};
+  const Planes reference = Draw(map, route, ego);
+  for (const double angle : {std::numbers::pi / 2, std::numbers::pi, 0.3, -1.9}) {
+    const Point shift{-31.7, 48.1};
+    const RoadMap turned = test::StraightRoad(angle, shift);
+    const Planes planes = Draw(turned, test::StraightRoute(turned, angle, shift),
+                               {test::Moved(ego.position, angle, shift), ego.heading + angle});
+    // The border cells of the 0.2 m bitmap fall elsewhere; nothing else may change.
+    EXPECT_LT(Differences(reference, planes, 0), 128 * 2 / 2) << angle;
+    EXPECT_LE(Differences(reference, planes, 1), 2) << angle;
+  }
+}
+
+TEST(BirdsEyeView, MirroredWorldIsMirroredPicture) {
+  const auto draw = [](double side) {
+    std::vector<Lane> lanes;
+    lanes.push_back(test::MakeLane("a_0", "a", 0, 10, {{-60, 0}, {10, 0}, {17, side * 3}, {20, side * 40}}));
+    const RoadMap map(std::move(lanes),
+                      {{{15, side * 10}, {30, side * 10}, {30, side * 18}, {15, side * 18}}});
+    const Route route(map, {0}, {-60, 0}, {20, side * 40});
+    return Draw(map, route, {{3, side * 0.3}, side * 0.1});
+  };
+  const Planes left = draw(1.0);
+  const Planes right = draw(-1.0);
+  int differences[2] = {0, 0};
+  for (int plane = 0; plane < 2; ++plane) {
+    for (int row = 0; row < kSize; ++row) {
+      for (int column = 0; column < kSize; ++column) {
+        differences[plane] +=
+            Pixel(left, plane, row, column) != Pixel(right, plane, row, kSize - 1 - column) ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_LT(differences[0], 128);  // a quarter of the border cells
+  EXPECT_LE(differences[1], 2);
+  EXPECT_GT(Count(left, 0), 1000);
+  EXPECT_GT(Count(left, 1), 300);
+}
+
+TEST(BirdsEyeView, FarOffTheMapThereIsNoRoad) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  for (const Point p : {Point{1e7, 0}, Point{-500, -500}, Point{300, 0}, Point{0, -90}}) {
+    EXPECT_EQ(Count(Draw(map, route, {p, 0.7}), 0), 0);
+  }
+}
+
+TEST(BirdsEyeView, SeesTheWholeSquareAtTheMapsCorner) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  // At the road's end, facing outward: road only in the lower half.
+  const Planes planes = Draw(map, route, {{200, 3.2}, 0.0});
+  EXPECT_TRUE(Pixel(planes, 0, 127, 64));
+  EXPECT_TRUE(Pixel(planes, 0, 65, 64));
+  EXPECT_FALSE(Pixel(planes, 0, 62, 64));
+}
+
+}  // namespace
+}  // namespace dadrl
