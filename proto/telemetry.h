@@ -99,7 +99,7 @@ std::string TelemetryUrl(const ClusterConfig& cluster);
 // publishes nothing.
 class TelemetryPublisher {
  public:
-  // `url`: TelemetryUrl, or "memq://..." in tests; empty: off.
+  // `url`: TelemetryUrl; empty: off.
   explicit TelemetryPublisher(const std::string& url);
   ~TelemetryPublisher();
   void Publish(const ProcessStatus& status);
@@ -116,7 +116,8 @@ class TelemetrySubscriber {
   // kUnavailable when the host has no multicast.
   static Result<std::unique_ptr<TelemetrySubscriber>> Create(const std::string& url);
   ~TelemetrySubscriber();
-  // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread.
+  // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread; an empty one
+  // is skipped.
   void Poll(Duration timeout, const std::function<void(const ProcessStatus&)>& on_status,
             const std::function<void(const EpisodeReport&)>& on_episode);
   uint64_t rejected_packets() const;

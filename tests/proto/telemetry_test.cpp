@@ -1,0 +1,212 @@
+#include "proto/telemetry.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "common/dds/udp_socket.h"
+#include "proto/telemetry_packet.h"
+
+namespace dadrl {
+namespace {
+
+ProcessStatus SomeStatus() {
+  ProcessStatus status;
+  status.role = dds::Role::kReplay;
+  status.index = 3;
+  status.pid = 4711;
+  status.incarnation = 0xfedcba9876543210;
+  status.sent_ns = 1234567890123;
+  status.uptime_s = 12.5;
+  for (size_t i = 0; i < status.metrics.size(); ++i) status.metrics[i] = 0.5 + static_cast<double>(i);
+  for (size_t i = 0; i < status.activity_s.size(); ++i) status.activity_s[i] = 100.0 + static_cast<double>(i);
+  return status;
+}
+
+EpisodeReport SomeReport() {
+  EpisodeReport report;
+  report.actor = 2;
+  report.incarnation = 0xfedcba9876543210;
+  report.episode = 77;
+  report.seed = 999999;
+  report.outcome = 2;
+  report.steps = 800;
+  report.episode_return = -1.25;
+  report.progress = 0.5;
+  report.mean_speed_mps = 7.0;
+  report.humanness_error = 0.125;
+  report.overall_score = 0.25;
+  report.policy_version = 4000000000;
+  report.sent_ns = 5;
+  return report;
+}
+
+void ExpectEqual(const ProcessStatus& a, const ProcessStatus& b) {
+  EXPECT_EQ(a.role, b.role);
+  EXPECT_EQ(a.index, b.index);
+  EXPECT_EQ(a.pid, b.pid);
+  EXPECT_EQ(a.incarnation, b.incarnation);
+  EXPECT_EQ(a.sent_ns, b.sent_ns);
+  EXPECT_EQ(a.uptime_s, b.uptime_s);
+  EXPECT_EQ(a.metrics, b.metrics);
+  EXPECT_EQ(a.activity_s, b.activity_s);
+}
+
+TEST(MetricName, IsDifferentForEveryMetric) {
+  std::set<std::string_view> names;
+  for (int i = 0; i < static_cast<int>(Metric::kCount); ++i) names.insert(MetricName(static_cast<Metric>(i)));
+  EXPECT_EQ(names.size(), static_cast<size_t>(Metric::kCount));
+  EXPECT_EQ(MetricName(Metric::kEnvSteps), "env_steps");
+  EXPECT_EQ(MetricName(Metric::kCheckpointAgeS), "checkpoint_age_s");
+}
+
+TEST(TelemetryPacket, KeepsEveryField) {
+  ExpectEqual(DecodeStatusPacket(EncodePacket(SomeStatus())).value(), SomeStatus());
+  const EpisodeReport a = SomeReport();
+  const EpisodeReport b = DecodeEpisodePacket(EncodePacket(a)).value();
+  EXPECT_EQ(
+      std::tie(a.actor, a.incarnation, a.episode, a.seed, a.outcome, a.steps, a.episode_return, a.progress),
+      std::tie(b.actor, b.incarnation, b.episode, b.seed, b.outcome, b.steps, b.episode_return, b.progress));
+  EXPECT_EQ(std::tie(a.mean_speed_mps, a.humanness_error, a.overall_score, a.policy_version, a.sent_ns),
+            std::tie(b.mean_speed_mps, b.humanness_error, b.overall_score, b.policy_version, b.sent_ns));
+}
+
+TEST(TelemetryPacket, RefusesWhatIsNotExactlyOnePacket) {
+  const std::vector<std::byte> whole = EncodePacket(SomeStatus());
+  for (size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_FALSE(DecodeStatusPacket(std::span(whole).first(length)));
+  }
+  std::vector<std::byte> longer = whole;
+  longer.push_back(std::byte{0});
+  EXPECT_FALSE(DecodeStatusPacket(longer));
+  std::vector<std::byte> alien = whole;
+  alien[3] ^= std::byte{1};  // fingerprint
+  EXPECT_FALSE(DecodeStatusPacket(alien));
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(SomeReport())));
+}
+
+TEST(TelemetryPacket, RefusesValuesThatCannotBe) {
+  ProcessStatus status = SomeStatus();
+  status.role = static_cast<dds::Role>(4);
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  status = SomeStatus();
+  status.index = -1;
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  status = SomeStatus();
+  status[Metric::kMeanQ] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  EpisodeReport report = SomeReport();
+  report.outcome = 4;
+  EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report)));
+  report = SomeReport();
+  report.overall_score = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report)));
+}
+
+TEST(TelemetryPacket, RefusesASenderThatCountsOtherMetrics) {
+  std::vector<std::byte> packet = EncodePacket(SomeStatus());
+  packet[8 + 3 * 4 + 3] ^= std::byte{1};  // metric_count, big endian, after fingerprint, role, index and pid
+  const auto status = DecodeStatusPacket(packet);
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, ::testing::HasSubstr("another version"));
+}
+
+// Real multicast on this host, on a port of its own.
+class TelemetryBusTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    cluster_.port = dds::FindFreePort().value();
+    auto subscriber = TelemetrySubscriber::Create(TelemetryUrl(cluster_));
+    if (!subscriber) GTEST_SKIP() << subscriber.error().message;
+    subscriber_ = std::move(*subscriber);
+  }
+
+  // One datagram as LCM frames short messages: magic, sequence number, channel, payload.
+  void SendDatagram(const std::string& channel, std::span<const std::byte> payload) {
+    std::string datagram("LC02\0\0\0\1", 8);
+    datagram += channel;
+    datagram += '\0';
+    datagram.append(reinterpret_cast<const char*>(payload.data()), payload.size());
+    SendRaw(datagram);
+  }
+  void SendRaw(const std::string& datagram) {
+    const dds::UdpSocket socket;
+    const int ttl = 0;
+    ::setsockopt(socket.descriptor(), IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof(ttl));
+    const sockaddr_in group = dds::SocketAddress(::inet_addr("239.255.76.67"), cluster_.port + 5);
+    ASSERT_EQ(::sendto(socket.descriptor(), datagram.data(), datagram.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&group), sizeof(group)),
+              static_cast<ssize_t>(datagram.size()));
+  }
+  // Polls until `done`, ten seconds at most.
+  bool PollUntil(const std::function<bool()>& done) {
+    for (int i = 0; i < 1000 && !done(); ++i) {
+      subscriber_->Poll(
+          std::chrono::milliseconds(10), [&](const ProcessStatus& status) { statuses_.push_back(status); },
+          [&](const EpisodeReport& report) { reports_.push_back(report); });
+    }
+    return done();
+  }
+
+  ClusterConfig cluster_;
+  std::unique_ptr<TelemetrySubscriber> subscriber_;
+  std::vector<ProcessStatus> statuses_;
+  std::vector<EpisodeReport> reports_;
+};
+
+TEST_F(TelemetryBusTest, CarriesStatusAndEpisodes) {
+  TelemetryPublisher publisher(TelemetryUrl(cluster_));
+  publisher.Publish(SomeStatus());
+  publisher.Publish(SomeReport());
+  ASSERT_TRUE(PollUntil([&] { return !statuses_.empty() && !reports_.empty(); }));
+  ExpectEqual(statuses_[0], SomeStatus());
+  EXPECT_EQ(reports_[0].seed, SomeReport().seed);
+  EXPECT_EQ(subscriber_->rejected_packets(), 0);
+}
+
+TEST_F(TelemetryBusTest, DropsAndCountsForgedPackets) {
+  const std::vector<std::byte> whole = EncodePacket(SomeStatus());
+  SendDatagram("DADRL_STATUS", {});
+  SendDatagram("DADRL_STATUS", std::span(whole).first(8));  // fingerprint only
+  SendDatagram("DADRL_STATUS", std::span(whole).first(whole.size() - 1));
+  SendDatagram("DADRL_EPISODE", whole);  // right type, wrong channel
+  SendDatagram("DADRL_STATUS", std::vector<std::byte>(60000, std::byte{0xff}));
+  SendRaw("LC");                            // no whole header
+  SendRaw("LC02");                          // no sequence number
+  SendRaw("LC02" + std::string(200, 'x'));  // a channel that never ends
+  SendRaw(std::string(1000, '\xff'));
+  SendRaw(std::string("LC03") + std::string(40, '\xff'));  // fragment of an impossible message
+  SendDatagram("DADRL_STATUS", whole);
+  ASSERT_TRUE(PollUntil([&] { return !statuses_.empty(); }));
+  ExpectEqual(statuses_[0], SomeStatus());
+  EXPECT_TRUE(PollUntil([&] { return subscriber_->rejected_packets() == 5; }));
+  EXPECT_EQ(statuses_.size(), 1);
+  EXPECT_TRUE(reports_.empty());
+}
+
+TEST_F(TelemetryBusTest, ClustersOnOneHostDoNotHearEachOther) {
+  ClusterConfig other;
+  other.port = dds::FindFreePort().value();
+  TelemetryPublisher stranger(TelemetryUrl(other));
+  TelemetryPublisher publisher(TelemetryUrl(cluster_));
+  ProcessStatus strange = SomeStatus();
+  strange.index = 99;
+  stranger.Publish(strange);
+  publisher.Publish(SomeStatus());
+  ASSERT_TRUE(PollUntil([&] { return !statuses_.empty(); }));
+  EXPECT_EQ(statuses_.size(), 1);
+  EXPECT_EQ(statuses_[0].index, SomeStatus().index);
+}
+
+TEST(TelemetryPublisher, CarriesOnWhereItCannotSend) {
+  TelemetryPublisher off("");
+  off.Publish(SomeStatus());
+  TelemetryPublisher nowhere("udpm://300.0.0.1:1?ttl=0");
+  nowhere.Publish(SomeStatus());
+  EXPECT_EQ(TelemetrySubscriber::Create("udpm://300.0.0.1:1?ttl=0").error().code, ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace dadrl
