@@ -1,0 +1,185 @@
+#include "actor/experience/experience_writer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+// How soon a replay that comes or goes is noticed.
+constexpr Duration kPeerPoll = std::chrono::milliseconds(50);
+
+TimePoint Now() { return SystemClock().Now(); }
+
+}  // namespace
+
+ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation)
+    : actor_(actor),
+      incarnation_(incarnation),
+      shard_(actor % static_cast<uint32_t>(config.replay.shards)),
+      chunk_frames_(std::clamp(config.actor.chunk_frames, 1, kMaxChunkFrames)),
+      max_backlog_bytes_(config.actor.max_unacknowledged_bytes),
+      builder_(ObservationSpec::From(config.observation), config.actor.floats) {}
+
+Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const dds::Node& node,
+                                                                   const Config& config, uint32_t actor,
+                                                                   uint64_t incarnation) {
+  std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation));
+  DADRL_ASSIGN_OR_RETURN(writer->acknowledgements_,
+                         AcknowledgementReader::Create(node, kAcknowledgementTopic));
+  DADRL_ASSIGN_OR_RETURN(writer->chunks_,
+                         ChunkWriter::Create(node, ChunkTopic(static_cast<int>(writer->shard_))));
+  writer->sender_ = std::thread([raw = writer.get()] { raw->Run(); });
+  return writer;
+}
+
+ExperienceWriter::~ExperienceWriter() {
+  stopping_ = true;
+  if (!sender_.joinable()) return;
+  acknowledgements_->Wake();
+  sender_.join();
+}
+
+void ExperienceWriter::BeginEpisode(uint64_t episode) {
+  EndEpisode();
+  episode_ = episode;
+  next_frame_ = 0;
+  builder_.Begin(episode_, next_frame_);
+}
+
+void ExperienceWriter::AddTransition(const Observation& observation, const Action& action, float reward,
+                                     uint8_t flags, uint32_t policy_version) {
+  builder_.AddTransition(observation, action, reward, flags, policy_version);
+  ++next_frame_;
+  if (builder_.frames() >= chunk_frames_) FlushChunk();
+}
+
+void ExperienceWriter::AddFinal(const Observation& observation) {
+  builder_.AddFinal(observation);
+  ++next_frame_;
+  if (builder_.frames() >= chunk_frames_) FlushChunk();
+}
+
+void ExperienceWriter::EndEpisode() {
+  if (builder_.frames() > 0) FlushChunk();
+}
+
+void ExperienceWriter::FlushChunk() {
+  Backlog::Chunk chunk{.sequence = ++sequence_, .bytes = builder_.Finish({actor_, incarnation_, sequence_})};
+  builder_.Begin(episode_, next_frame_);
+  {
+    MutexLock lock(mutex_);
+    statistics_.chunks = sequence_;
+    statistics_.backlog_bytes += static_cast<int64_t>(chunk.bytes.size());
+    produced_.push_back(std::move(chunk));
+  }
+  acknowledgements_->Wake();
+}
+
+bool ExperienceWriter::blocked() const {
+  MutexLock lock(mutex_);
+  if (statistics_.backlog_bytes >= max_backlog_bytes_) return true;
+  return statistics_.replay_present && statistics_.chunks > statistics_.granted + kAhead;
+}
+
+bool ExperienceWriter::Flush(Duration timeout) {
+  EndEpisode();
+  const TimePoint deadline = Now() + timeout;
+  MutexLock lock(mutex_);
+  while (statistics_.acknowledged < sequence_) {
+    const Duration left = deadline - Now();
+    if (left <= Duration::zero()) return false;
+    acknowledged_changed_.WaitFor(mutex_, left);
+  }
+  return true;
+}
+
+ExperienceWriter::Statistics ExperienceWriter::statistics() const {
+  MutexLock lock(mutex_);
+  return statistics_;
+}
+
+void ExperienceWriter::Run() {
+  while (!stopping_) {
+    TakeProduced();
+    TakeAcknowledgements();
+    NoticePeer();
+    Publish();
+    SendOrWait();
+  }
+}
+
+void ExperienceWriter::TakeProduced() {
+  std::vector<Backlog::Chunk> produced;
+  {
+    MutexLock lock(mutex_);
+    produced.swap(produced_);
+  }
+  for (Backlog::Chunk& chunk : produced) backlog_.Add(std::move(chunk));
+}
+
+void ExperienceWriter::TakeAcknowledgements() {
+  acknowledgements_->Take(1 << 20, [this](const dadrl_idl_Acknowledgement& ack) {
+    if (ack.actor != actor_ || ack.shard != shard_ || ack.incarnation != incarnation_) return;
+    const uint64_t before = backlog_.acknowledged();
+    switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, Now())) {
+      case Backlog::AckEffect::kAccepted:
+        break;
+      case Backlog::AckEffect::kForgotten:
+        if (std::exchange(told_of_forgotten_, true)) break;
+        spdlog::warn("replay shard {} has forgotten this actor's chunks {} to {}: they are lost", shard_,
+                     ack.stored_sequence + 1, before);
+        break;
+      case Backlog::AckEffect::kAlien:
+        if (alien_acknowledgements_++ == 0) {
+          spdlog::warn("replay shard {} acknowledges chunk {}, but this actor made only {}: ignored", shard_,
+                       ack.stored_sequence, backlog_.last_sequence());
+        }
+        break;
+    }
+  });
+}
+
+void ExperienceWriter::NoticePeer() {
+  const uint64_t generation = chunks_->match_generation();
+  if (generation == match_generation_) return;
+  match_generation_ = generation;
+  told_of_forgotten_ = false;
+  backlog_.OnNewPeer(Now());
+}
+
+void ExperienceWriter::SendOrWait() {
+  const Backlog::Chunk* chunk = chunks_->matched() > 0 ? backlog_.Next(Now()) : nullptr;
+  if (chunk == nullptr) {
+    acknowledgements_->Wait(kPeerPoll);
+    return;
+  }
+  dadrl_idl_ChunkMessage message{};
+  message.actor = actor_;
+  message.bytes._buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(chunk->bytes.data()));
+  message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(chunk->bytes.size());
+  const Status sent = chunks_->Write(message);
+  if (sent) {
+    backlog_.OnSent(Now());
+  } else if (sent.error().code != ErrorCode::kUnavailable) {
+    spdlog::error("chunk {} was not sent: {}", chunk->sequence, sent.error().message);
+    acknowledgements_->Wait(std::chrono::seconds(1));
+  }
+}
+
+void ExperienceWriter::Publish() {
+  MutexLock lock(mutex_);
+  int64_t bytes = static_cast<int64_t>(backlog_.bytes());
+  for (const Backlog::Chunk& chunk : produced_) bytes += static_cast<int64_t>(chunk.bytes.size());
+  statistics_.backlog_bytes = bytes;
+  statistics_.acknowledged = backlog_.acknowledged();
+  statistics_.granted = backlog_.granted();
+  statistics_.resent = backlog_.resent_chunks();
+  statistics_.alien_acknowledgements = alien_acknowledgements_;
+  statistics_.replay_present = chunks_->matched() > 0;
+  acknowledged_changed_.NotifyAll();
+}
+
+}  // namespace dadrl

@@ -1,0 +1,101 @@
+// Experience on its way to a replay shard: frames become chunks, chunks are kept until the replay has them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "actor/experience/backlog.h"
+#include "actor/experience/experience_sink.h"
+#include "common/config/config.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/mutex.h"
+#include "proto/experience.h"
+#include "proto/topics.h"
+
+namespace dadrl {
+
+// The ExperienceSink methods and Flush belong to the simulation thread; the rest may be called by any. A
+// thread of its own sends, repeats and hears acknowledgements, so nothing here waits for the network but
+// Flush.
+class ExperienceWriter final : public ExperienceSink {
+ public:
+  struct Statistics {
+    uint64_t chunks = 0;        // produced
+    uint64_t acknowledged = 0;  // of them
+    uint64_t granted = 0;       // sequence up to which the replay takes chunks
+    uint64_t resent = 0;        // chunks sent more than once
+    uint64_t alien_acknowledgements = 0;
+    int64_t backlog_bytes = 0;
+    bool replay_present = false;
+  };
+
+  // Writes to shard `actor` mod `shards`. `incarnation` grows with each start of this actor. Borrows `node`.
+  static Result<std::unique_ptr<ExperienceWriter>> Create(const dds::Node& node, const Config& config,
+                                                          uint32_t actor, uint64_t incarnation);
+  // Loses what is not acknowledged: Flush first.
+  ~ExperienceWriter() override;
+
+  void BeginEpisode(uint64_t episode) override;
+  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
+                     uint32_t policy_version) override;
+  void AddFinal(const Observation& observation) override;
+  void EndEpisode() override;
+  // True while the backlog holds actor.max_unacknowledged_bytes, or while a replay is there that has been
+  // given kAhead chunks more than it granted.
+  bool blocked() const override;
+
+  // Waits until every chunk is acknowledged, at most `timeout`; false when some are not.
+  bool Flush(Duration timeout);
+
+  Statistics statistics() const;
+
+  static constexpr uint64_t kAhead = 4;
+
+ private:
+  using ChunkWriter = dds::Writer<dadrl_idl_ChunkMessage>;
+  using AcknowledgementReader = dds::Reader<dadrl_idl_Acknowledgement>;
+
+  ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation);
+  void FlushChunk();
+  // The rest runs on the sender thread.
+  void Run();
+  void TakeProduced();
+  void TakeAcknowledgements();
+  void NoticePeer();
+  void SendOrWait();
+  void Publish();
+
+  const uint32_t actor_;
+  const uint64_t incarnation_;
+  const uint32_t shard_;
+  const int chunk_frames_;
+  const int64_t max_backlog_bytes_;
+
+  // Simulation thread.
+  ChunkBuilder builder_;
+  uint64_t episode_ = 0;
+  uint32_t next_frame_ = 0;
+  uint64_t sequence_ = 0;
+
+  mutable Mutex mutex_;
+  CondVar acknowledged_changed_;
+  std::vector<Backlog::Chunk> produced_ DADRL_GUARDED_BY(mutex_);
+  Statistics statistics_ DADRL_GUARDED_BY(mutex_);
+
+  // Sender thread.
+  Backlog backlog_;
+  uint64_t match_generation_ = 0;
+  uint64_t alien_acknowledgements_ = 0;
+  bool told_of_forgotten_ = false;  // of the present replay
+  std::unique_ptr<ChunkWriter> chunks_;
+  std::unique_ptr<AcknowledgementReader> acknowledgements_;
+
+  std::atomic<bool> stopping_{false};
+  std::thread sender_;
+};
+
+}  // namespace dadrl
