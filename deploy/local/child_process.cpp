@@ -1,0 +1,172 @@
+#include "deploy/local/child_process.h"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include "common/io/file_descriptor.h"
+
+namespace dadrl {
+namespace {
+
+// Everything the child needs, prepared before fork: after it only async-signal-safe calls are allowed.
+struct ChildPlan {
+  std::vector<char*> argv;
+  int null_fd;
+  int out_fd;
+  int error_fd;
+  int report_fd;
+  int nice;
+  pid_t parent;
+};
+
+[[noreturn]] void RunChild(const ChildPlan& plan) {
+  const auto fail = [&]() {
+    const int error = errno;
+    [[maybe_unused]] const ssize_t written = write(plan.report_fd, &error, sizeof error);
+    _exit(127);
+  };
+  setpgid(0, 0);
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) fail();
+  if (getppid() != plan.parent) _exit(127);  // the launcher died before the line above took effect
+  if (plan.nice != 0) setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + plan.nice);
+  if (dup2(plan.null_fd, STDIN_FILENO) < 0 || dup2(plan.out_fd, STDOUT_FILENO) < 0 ||
+      dup2(plan.error_fd, STDERR_FILENO) < 0) {
+    fail();
+  }
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGCHLD, SIGPIPE}) {
+    signal(signal_number, SIG_DFL);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  execvp(plan.argv[0], plan.argv.data());
+  fail();
+  _exit(127);
+}
+
+Result<FileDescriptor> OpenLog(const std::filesystem::path& log) {
+  return FileDescriptor::Open(log.empty() ? std::filesystem::path("/dev/null") : log,
+                              O_WRONLY | O_APPEND | O_CREAT);
+}
+
+}  // namespace
+
+std::string ExitStatus::Describe() const {
+  if (signaled) return fmt::format("signal {} ({})", value, strsignal(value));
+  return fmt::format("exit code {}", value);
+}
+
+Result<ChildProcess> ChildProcess::Spawn(const SpawnOptions& options) {
+  if (options.command.empty()) return Fail(ErrorCode::kInternal, "no command to start");
+  const std::string& program = options.command.front();
+  DADRL_ASSIGN_OR_RETURN(const FileDescriptor log, OpenLog(options.log));
+  DADRL_ASSIGN_OR_RETURN(const FileDescriptor null, FileDescriptor::Open("/dev/null", O_RDONLY));
+  int report_pipe[2];
+  if (pipe2(report_pipe, O_CLOEXEC) != 0) {
+    return Fail(ErrorCode::kInternal, "cannot start {}: pipe: {}", program, std::strerror(errno));
+  }
+  const FileDescriptor report_read(report_pipe[0]);
+  FileDescriptor report_write(report_pipe[1]);
+
+  ChildPlan plan{.argv = {},
+                 .null_fd = null.get(),
+                 .out_fd = options.stdout_fd >= 0 ? options.stdout_fd : log.get(),
+                 .error_fd = log.get(),
+                 .report_fd = report_write.get(),
+                 .nice = options.nice,
+                 .parent = getpid()};
+  for (const std::string& argument : options.command)
+    plan.argv.push_back(const_cast<char*>(argument.c_str()));
+  plan.argv.push_back(nullptr);
+
+  const pid_t pid = fork();
+  if (pid < 0) return Fail(ErrorCode::kExhausted, "cannot start {}: fork: {}", program, std::strerror(errno));
+  if (pid == 0) RunChild(plan);
+  setpgid(pid, pid);  // in both processes: whoever comes first
+  report_write.Close();
+  int error = 0;
+  ssize_t count = 0;
+  do {
+    count = read(report_read.get(), &error, sizeof error);
+  } while (count < 0 && errno == EINTR);
+  if (count == sizeof error) {
+    waitpid(pid, nullptr, 0);
+    return Fail(error == ENOENT ? ErrorCode::kNotFound : ErrorCode::kInternal, "cannot start {}: {}", program,
+                std::strerror(error));
+  }
+  // glibc 2.36 declares pidfd_open without C linkage.
+  const int pidfd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  if (pidfd < 0) {
+    const int open_error = errno;
+    kill(-pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+    return Fail(ErrorCode::kInternal, "cannot watch {}: pidfd_open: {}", program, std::strerror(open_error));
+  }
+  return ChildProcess(pid, pidfd);
+}
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)),
+      pidfd_(std::exchange(other.pidfd_, -1)),
+      status_(std::exchange(other.status_, std::nullopt)) {}
+
+ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
+  if (this != &other) {
+    Close();
+    pid_ = std::exchange(other.pid_, -1);
+    pidfd_ = std::exchange(other.pidfd_, -1);
+    status_ = std::exchange(other.status_, std::nullopt);
+  }
+  return *this;
+}
+
+ChildProcess::~ChildProcess() { Close(); }
+
+void ChildProcess::Close() {
+  if (pid_ > 0 && !status_) {
+    kill(-pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  if (pidfd_ >= 0) close(pidfd_);
+  pid_ = pidfd_ = -1;
+}
+
+void ChildProcess::Signal(int signal_number) const {
+  if (pid_ > 0 && !status_) kill(-pid_, signal_number);
+}
+
+std::optional<ExitStatus> ChildProcess::TryWait() {
+  if (status_ || pid_ <= 0) return status_;
+  siginfo_t info{};
+  const auto id = static_cast<id_t>(pidfd_);
+  if (waitid(P_PIDFD, id, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0) return std::nullopt;
+  // While the leader is a zombie its group's number cannot be taken by anybody else.
+  kill(-pid_, SIGKILL);
+  waitid(P_PIDFD, id, &info, WEXITED);
+  status_ = ExitStatus{.signaled = info.si_code != CLD_EXITED, .value = info.si_status};
+  return status_;
+}
+
+void BecomeSubreaper() { prctl(PR_SET_CHILD_SUBREAPER, 1); }
+
+void ReapAdopted(const std::vector<pid_t>& owned) {
+  for (;;) {
+    siginfo_t info{};
+    if (waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0) return;
+    // An owned one ended meanwhile: its owner reaps it first, the rest waits for the next call.
+    if (std::find(owned.begin(), owned.end(), info.si_pid) != owned.end()) return;
+    waitpid(info.si_pid, nullptr, 0);
+  }
+}
+
+}  // namespace dadrl

@@ -1,0 +1,13 @@
+// The end of a log file, for a message about the process that wrote it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dadrl {
+
+// The last `lines` lines, at most 16 KiB of them; empty when the file cannot be read.
+std::vector<std::string> LogTail(const std::filesystem::path& file, size_t lines);
+
+}  // namespace dadrl

@@ -1,0 +1,62 @@
+// The directory one run lives in, and the lock that gives it to one launcher at a time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/config/config.h"
+#include "common/io/file_descriptor.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+// Where things are in a run directory.
+struct RunPaths {
+  std::filesystem::path root;
+
+  std::filesystem::path config() const { return root / "config.yaml"; }
+  std::filesystem::path checkpoints() const { return root / "checkpoints"; }
+  std::filesystem::path replay() const { return root / "replay"; }
+  std::filesystem::path logs() const { return root / "logs"; }
+  std::filesystem::path tensorboard() const { return root / "tensorboard"; }
+  std::filesystem::path episodes() const { return root / "episodes.csv"; }
+  std::filesystem::path results() const { return root / "results.json"; }
+  std::filesystem::path lock() const { return root / "lock"; }
+  // The newest policy that the learner saved: its link, replaced with every checkpoint.
+  std::filesystem::path policy() const { return checkpoints() / "latest"; }
+  // A copy that an evaluation reads however long it takes; the learner removes old policies.
+  std::filesystem::path evaluated_policy() const { return root / "evaluated_policy.dadrl"; }
+};
+
+// A run directory held by this process: nobody else can open it. The kernel releases the lock when the
+// process ends, however it ends, so a lock left by a crash is no obstacle.
+class RunDirectory {
+ public:
+  // Creates `root` with its folders for a new run. kInvalidArgument when it holds a run already or is not a
+  // folder; kUnavailable when another process uses it.
+  static Result<RunDirectory> CreateNew(const std::filesystem::path& root);
+  // Opens an existing run to go on with it. kNotFound when there is none.
+  static Result<RunDirectory> OpenExisting(const std::filesystem::path& root);
+
+  const RunPaths& paths() const { return paths_; }
+  // Writes config.yaml.
+  Status SaveConfig(const Config& config) const;
+
+ private:
+  RunDirectory(RunPaths paths, FileDescriptor lock) : paths_(std::move(paths)), lock_(std::move(lock)) {}
+  static Result<RunDirectory> Lock(RunPaths paths);
+
+  RunPaths paths_;
+  FileDescriptor lock_;
+};
+
+// True when a launcher holds the run directory now.
+bool IsRunning(const RunPaths& paths);
+
+// `runs/<scenario>-<local time>`, with a suffix when that exists.
+std::filesystem::path NewRunPath(const std::filesystem::path& runs, const std::string& scenario);
+
+// Points `<parent>/latest` at the run; best effort on file systems without links.
+void LinkLatest(const std::filesystem::path& root);
+
+}  // namespace dadrl

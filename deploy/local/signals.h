@@ -1,0 +1,30 @@
+// The launcher's signals as something to poll: blocked for every thread, read from one descriptor.
+#pragma once
+
+#include <memory>
+
+#include "common/util/result.h"
+
+namespace dadrl {
+
+// Create on the main thread before any other thread starts (threads inherit the mask). Children started by
+// ChildProcess get a clean mask. Not thread safe.
+class SignalWatcher {
+ public:
+  // Blocks SIGINT, SIGTERM, SIGHUP and SIGCHLD; ignores SIGPIPE.
+  static Result<std::unique_ptr<SignalWatcher>> Create();
+  ~SignalWatcher();
+  SignalWatcher(const SignalWatcher&) = delete;
+  SignalWatcher& operator=(const SignalWatcher&) = delete;
+
+  int fd() const { return fd_; }
+  // Reads what arrived; never blocks. How many requests to stop (SIGINT, SIGTERM, SIGHUP) came so far.
+  int StopRequests();
+
+ private:
+  explicit SignalWatcher(int fd) : fd_(fd) {}
+  int fd_;
+  int stop_requests_ = 0;
+};
+
+}  // namespace dadrl

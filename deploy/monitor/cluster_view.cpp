@@ -1,0 +1,221 @@
+#include "deploy/monitor/cluster_view.h"
+
+#include <algorithm>
+
+namespace dadrl {
+namespace {
+
+constexpr size_t kRecentEpisodes = 100;
+constexpr double kSmallestWait = 0.01;
+constexpr double kBytesPerMb = 1e6;
+
+Metric ProductOf(dds::Role role) {
+  switch (role) {
+    case dds::Role::kReplay:
+      return Metric::kInsertedFrames;
+    case dds::Role::kLearner:
+      return Metric::kUpdates;
+    default:
+      return Metric::kEnvSteps;
+  }
+}
+
+// Learner first, then what feeds it.
+int DisplayOrder(dds::Role role) {
+  switch (role) {
+    case dds::Role::kLearner:
+      return 0;
+    case dds::Role::kReplay:
+      return 1;
+    case dds::Role::kActor:
+      return 2;
+    default:
+      return 3;
+  }
+}
+
+TimeLedger::Totals Shares(const ProcessStatus& first, const ProcessStatus& last) {
+  TimeLedger::Totals shares{};
+  double sum = 0.0;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    shares[i] = std::max(0.0, last.activity_s[i] - first.activity_s[i]);
+    sum += shares[i];
+  }
+  for (double& share : shares) share = sum > 0.0 ? share / sum : 0.0;
+  return shares;
+}
+
+void AppendWaits(const ProcessRow& row, std::vector<Wait>& waits) {
+  if (row.stale) return;
+  for (size_t i = static_cast<size_t>(Activity::kWork) + 1; i < row.share.size(); ++i) {
+    if (row.share[i] < kSmallestWait) continue;
+    waits.push_back({row.name, std::string(ActivityName(static_cast<Activity>(i))), row.share[i]});
+  }
+}
+
+void AddLearner(const ProcessRow& row, ClusterSummary& summary) {
+  summary.updates = row[Metric::kUpdates];
+  summary.weights_version = row[Metric::kWeightsVersion];
+  summary.staleness_versions = {row[Metric::kStalenessVersionsMean], row[Metric::kStalenessVersionsMax]};
+  summary.staleness_s = {row[Metric::kStalenessSecondsMean], row[Metric::kStalenessSecondsMax]};
+  summary.critic_loss = row[Metric::kCriticLoss];
+  summary.actor_loss = row[Metric::kActorLoss];
+  summary.temperature = row[Metric::kTemperature];
+  summary.entropy = row[Metric::kEntropy];
+  summary.mean_q = row[Metric::kMeanQ];
+}
+
+void AddRecentEpisodes(const std::deque<EpisodeReport>& episodes, ClusterSummary& summary) {
+  if (episodes.empty()) return;
+  std::array<double*, 4> rates = {&summary.recent_success, &summary.recent_collision,
+                                  &summary.recent_off_road, &summary.recent_stagnation};
+  const double part = 1.0 / static_cast<double>(episodes.size());
+  summary.recent_episodes = static_cast<int>(episodes.size());
+  for (const EpisodeReport& report : episodes) {
+    *rates[static_cast<size_t>(report.outcome)] += part;
+    summary.recent_return += part * report.episode_return;
+  }
+}
+
+}  // namespace
+
+std::string RoleName(dds::Role role) {
+  switch (role) {
+    case dds::Role::kReplay:
+      return "replay";
+    case dds::Role::kLearner:
+      return "learner";
+    case dds::Role::kActor:
+      return "actor";
+    case dds::Role::kMonitor:
+      return "monitor";
+  }
+  return "unknown";
+}
+
+ClusterView ClusterView::ForInterval(double interval_s) {
+  return {FromSeconds(std::max(10.0, 5.0 * interval_s)), FromSeconds(std::max(3.0, 3.5 * interval_s))};
+}
+
+void ClusterView::Add(const ProcessStatus& status, TimePoint received) {
+  const auto [found, is_new] = processes_.try_emplace(Key{status.role, status.index});
+  Process& process = found->second;
+  if (!is_new) {
+    const ProcessStatus& last = process.history.back();
+    if (status.incarnation < last.incarnation) return;  // the late word of a dead predecessor
+    if (status.incarnation > last.incarnation) {
+      for (size_t i = 0; i < process.before.size(); ++i) process.before[i] += last.metrics[i];
+      ++process.restarts;
+      process.history.clear();
+    } else if (status.uptime_s <= last.uptime_s) {
+      return;  // out of order
+    }
+  }
+  process.received = received;
+  process.history.push_back(status);
+  // Keeps one message at or before the window's start, so that the window is always covered.
+  const double window_start_s = status.uptime_s - ToSeconds(window_);
+  while (process.history.size() > 2 && process.history[1].uptime_s <= window_start_s) {
+    process.history.pop_front();
+  }
+}
+
+void ClusterView::Add(const EpisodeReport& report) {
+  if (report.outcome < 0 || report.outcome > 3) return;
+  episodes_.push_back(report);
+  if (episodes_.size() > kRecentEpisodes) episodes_.pop_front();
+}
+
+bool ClusterView::Stale(const Process& process, TimePoint now) const {
+  return now - process.received > stale_after_;
+}
+
+double ClusterView::Rate(const Process& process, Metric metric, TimePoint now) const {
+  if (process.history.size() < 2 || Stale(process, now)) return 0.0;
+  const ProcessStatus& first = process.history.front();
+  const ProcessStatus& last = process.history.back();
+  // The sender's own uptime is the time base: monotonic, and free of the network's delay.
+  return std::max(0.0, last[metric] - first[metric]) / (last.uptime_s - first.uptime_s);
+}
+
+double ClusterView::Total(dds::Role role, Metric metric) const {
+  double total = 0.0;
+  for (const auto& [key, process] : processes_) {
+    if (key.first != role) continue;
+    total += process.before[static_cast<size_t>(metric)] + process.history.back()[metric];
+  }
+  return total;
+}
+
+ProcessRow ClusterView::Row(const Key& key, const Process& process, TimePoint now) const {
+  const ProcessStatus& last = process.history.back();
+  ProcessRow row;
+  row.role = key.first;
+  row.index = key.second;
+  row.name = key.first == dds::Role::kLearner ? RoleName(key.first)
+                                              : fmt::format("{}-{}", RoleName(key.first), key.second);
+  row.pid = last.pid;
+  row.uptime_s = last.uptime_s;
+  row.silent_s = ToSeconds(now - process.received);
+  row.stale = Stale(process, now);
+  row.restarts = process.restarts;
+  row.steps_per_s = Rate(process, ProductOf(key.first), now);
+  row.metrics = last.metrics;
+  // A single message has no earlier one to subtract: its totals since the start.
+  row.share = Shares(process.history.size() > 1 ? process.history.front() : ProcessStatus{}, last);
+  return row;
+}
+
+void ClusterView::Accumulate(const ProcessRow& row, const Process& process, TimePoint now,
+                             ClusterSummary& summary) const {
+  const auto rate = [&](Metric metric) { return Rate(process, metric, now); };
+  switch (row.role) {
+    case dds::Role::kActor:
+      summary.actors_alive += row.stale ? 0 : 1;
+      summary.env_steps_per_s += rate(Metric::kEnvSteps);
+      summary.decisions_per_s += rate(Metric::kDecisions);
+      break;
+    case dds::Role::kReplay:
+      summary.inserted_frames_per_s += rate(Metric::kInsertedFrames);
+      summary.sampled_transitions_per_s += rate(Metric::kSampledTransitions);
+      summary.inserted_mb_per_s += rate(Metric::kInsertedBytes) / kBytesPerMb;
+      summary.sampled_mb_per_s += rate(Metric::kSampledBytes) / kBytesPerMb;
+      summary.replay_frames += row[Metric::kFramesHeld];
+      summary.replay_bytes += row[Metric::kMemoryBytes];
+      break;
+    case dds::Role::kLearner:
+      summary.updates_per_s += rate(Metric::kUpdates);
+      AddLearner(row, summary);
+      break;
+    case dds::Role::kMonitor:
+      break;
+  }
+}
+
+ClusterSummary ClusterView::Summarize(TimePoint now) const {
+  ClusterSummary summary;
+  for (const auto& entry : processes_) {
+    const ProcessRow& row = summary.processes.emplace_back(Row(entry.first, entry.second, now));
+    Accumulate(row, entry.second, now, summary);
+    AppendWaits(row, summary.waits);
+  }
+  std::stable_sort(
+      summary.processes.begin(), summary.processes.end(), [](const ProcessRow& a, const ProcessRow& b) {
+        return std::pair(DisplayOrder(a.role), a.index) < std::pair(DisplayOrder(b.role), b.index);
+      });
+  std::stable_sort(summary.waits.begin(), summary.waits.end(),
+                   [](const Wait& a, const Wait& b) { return a.fraction > b.fraction; });
+  summary.env_steps = Total(dds::Role::kActor, Metric::kEnvSteps);
+  summary.episodes = Total(dds::Role::kActor, Metric::kEpisodes);
+  summary.inserted_frames = Total(dds::Role::kReplay, Metric::kInsertedFrames);
+  AddRecentEpisodes(episodes_, summary);
+  return summary;
+}
+
+int ClusterView::ReportingProcesses(TimePoint now) const {
+  return static_cast<int>(std::count_if(processes_.begin(), processes_.end(), [&](const auto& entry) {
+    return entry.second.history.size() > 1 && !Stale(entry.second, now);
+  }));
+}
+
+}  // namespace dadrl

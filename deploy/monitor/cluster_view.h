@@ -1,0 +1,125 @@
+// What a cluster does now, from the status messages of its processes: rates, ages, waits. Pure: no telemetry
+// and no clock in here.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/util/clock.h"
+#include "proto/telemetry.h"
+
+namespace dadrl {
+
+// Part of its time, 0 to 1, that a process waits for something ("inserts", "batch", ...).
+struct Wait {
+  std::string who;
+  std::string for_what;
+  double fraction = 0.0;
+};
+
+struct MeanMax {
+  double mean = 0.0;
+  double max = 0.0;
+};
+
+// One process as last heard of.
+struct ProcessRow {
+  std::string name;  // "learner", "replay-0", "actor-3"
+  dds::Role role = dds::Role::kActor;
+  int index = 0;
+  int pid = 0;
+  double uptime_s = 0.0;
+  double silent_s = 0.0;       // since its last message
+  bool stale = false;          // silent for too long: dead, cut off or stuck
+  int restarts = 0;            // incarnations seen after the first
+  double steps_per_s = 0.0;    // of what it produces: environment steps, inserted frames, updates
+  TimeLedger::Totals share{};  // of its time, by Activity, over the window
+  std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
+
+  double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
+  double Share(Activity activity) const { return share[static_cast<size_t>(activity)]; }
+};
+
+struct ClusterSummary {
+  std::vector<ProcessRow> processes;  // learner, replays, actors; each by index
+  int actors_alive = 0;
+  double env_steps_per_s = 0.0;
+  double decisions_per_s = 0.0;
+  double inserted_frames_per_s = 0.0;
+  double sampled_transitions_per_s = 0.0;
+  double inserted_mb_per_s = 0.0;  // 1e6 bytes
+  double sampled_mb_per_s = 0.0;
+  double updates_per_s = 0.0;
+  // Since the view began, over restarts.
+  double env_steps = 0.0;
+  double episodes = 0.0;
+  double updates = 0.0;  // as the learner counts them: over the whole run
+  double weights_version = 0.0;
+  double inserted_frames = 0.0;
+  double replay_frames = 0.0;
+  double replay_bytes = 0.0;
+  MeanMax staleness_versions;
+  MeanMax staleness_s;
+  double critic_loss = 0.0;
+  double actor_loss = 0.0;
+  double temperature = 0.0;
+  double entropy = 0.0;
+  double mean_q = 0.0;
+  std::vector<Wait> waits;  // longest first; those under one percent left out
+  // Of the last (up to) 100 training episodes.
+  int recent_episodes = 0;
+  double recent_success = 0.0;
+  double recent_collision = 0.0;
+  double recent_off_road = 0.0;
+  double recent_stagnation = 0.0;
+  double recent_return = 0.0;
+};
+
+std::string RoleName(dds::Role role);
+
+// Not thread safe.
+class ClusterView {
+ public:
+  // Rates are means over `window`; a process silent for `stale_after` counts as not running.
+  ClusterView(Duration window, Duration stale_after) : window_(window), stale_after_(stale_after) {}
+  // Window and limit that suit messages every `interval_s`.
+  static ClusterView ForInterval(double interval_s);
+
+  void Add(const ProcessStatus& status, TimePoint received);
+  void Add(const EpisodeReport& report);
+
+  ClusterSummary Summarize(TimePoint now) const;
+  // Processes that have not gone stale and whose rates are known (two messages of one incarnation).
+  int ReportingProcesses(TimePoint now) const;
+
+ private:
+  struct Process {
+    std::deque<ProcessStatus> history;  // of the current incarnation, oldest first
+    TimePoint received{};
+    int restarts = 0;
+    // Counters of earlier incarnations, last heard values.
+    std::array<double, static_cast<size_t>(Metric::kCount)> before{};
+  };
+  using Key = std::pair<dds::Role, int>;
+
+  // Adds one process's part to the sums.
+  void Accumulate(const ProcessRow& row, const Process& process, TimePoint now,
+                  ClusterSummary& summary) const;
+  ProcessRow Row(const Key& key, const Process& process, TimePoint now) const;
+  // Mean growth a second of a cumulative counter; 0 when stale or unknown.
+  double Rate(const Process& process, Metric metric, TimePoint now) const;
+  double Total(dds::Role role, Metric metric) const;
+  bool Stale(const Process& process, TimePoint now) const;
+
+  Duration window_;
+  Duration stale_after_;
+  std::map<Key, Process> processes_;
+  std::deque<EpisodeReport> episodes_;
+};
+
+}  // namespace dadrl

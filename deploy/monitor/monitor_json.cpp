@@ -1,0 +1,78 @@
+#include "deploy/monitor/monitor_json.h"
+
+#include <cmath>
+
+namespace dadrl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Metrics come from other processes; JSON has no NaN.
+double Finite(double value) { return std::isfinite(value) ? value : 0.0; }
+
+Json MeanMaxJson(const MeanMax& value) { return {{"mean", Finite(value.mean)}, {"max", Finite(value.max)}}; }
+
+Json ProcessJson(const ProcessRow& row) {
+  Json shares = Json::object();
+  for (size_t i = 0; i < row.share.size(); ++i) {
+    if (row.share[i] > 0.0)
+      shares[std::string(ActivityName(static_cast<Activity>(i)))] = Finite(row.share[i]);
+  }
+  Json metrics = Json::object();
+  for (size_t i = 0; i < row.metrics.size(); ++i) {
+    if (row.metrics[i] != 0.0)
+      metrics[std::string(MetricName(static_cast<Metric>(i)))] = Finite(row.metrics[i]);
+  }
+  return {{"name", row.name},
+          {"pid", row.pid},
+          {"stale", row.stale},
+          {"silent_s", Finite(row.silent_s)},
+          {"uptime_s", Finite(row.uptime_s)},
+          {"restarts", row.restarts},
+          {"per_s", Finite(row.steps_per_s)},
+          {"time", shares},
+          {"metrics", metrics}};
+}
+
+}  // namespace
+
+Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
+  Json waits = Json::array();
+  for (const Wait& wait : summary.waits) {
+    waits.push_back({{"who", wait.who}, {"for", wait.for_what}, {"fraction", Finite(wait.fraction)}});
+  }
+  Json processes = Json::array();
+  for (const ProcessRow& row : summary.processes) processes.push_back(ProcessJson(row));
+  return {{"env_steps_per_s", Finite(summary.env_steps_per_s)},
+          {"inserted_frames_per_s", Finite(summary.inserted_frames_per_s)},
+          {"sampled_transitions_per_s", Finite(summary.sampled_transitions_per_s)},
+          {"mb_per_s", Finite(summary.inserted_mb_per_s + summary.sampled_mb_per_s)},
+          {"inserted_mb_per_s", Finite(summary.inserted_mb_per_s)},
+          {"sampled_mb_per_s", Finite(summary.sampled_mb_per_s)},
+          {"updates_per_s", Finite(summary.updates_per_s)},
+          {"updates", Finite(summary.updates)},
+          {"weights_version", Finite(summary.weights_version)},
+          {"replay_frames", Finite(summary.replay_frames)},
+          {"replay_bytes", Finite(summary.replay_bytes)},
+          {"staleness_versions", MeanMaxJson(summary.staleness_versions)},
+          {"staleness_s", MeanMaxJson(summary.staleness_s)},
+          {"waits", waits},
+          {"bottleneck", bottleneck},
+          {"losses",
+           {{"critic", Finite(summary.critic_loss)},
+            {"actor", Finite(summary.actor_loss)},
+            {"temperature", Finite(summary.temperature)},
+            {"entropy", Finite(summary.entropy)},
+            {"mean_q", Finite(summary.mean_q)}}},
+          {"recent_episodes",
+           {{"count", summary.recent_episodes},
+            {"success", Finite(summary.recent_success)},
+            {"collision", Finite(summary.recent_collision)},
+            {"off_road", Finite(summary.recent_off_road)},
+            {"stagnation", Finite(summary.recent_stagnation)},
+            {"mean_return", Finite(summary.recent_return)}}},
+          {"actors_alive", summary.actors_alive},
+          {"processes", processes}};
+}
+
+}  // namespace dadrl
