@@ -69,6 +69,19 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::string_view t
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
+Status LinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target) {
+  const std::filesystem::path temporary = TemporaryFor(link);
+  if (::symlink(target.c_str(), temporary.c_str()) != 0) {
+    return tl::unexpected<Error>(IoError("link", link, errno));
+  }
+  if (::rename(temporary.c_str(), link.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    return tl::unexpected<Error>(IoError("replace", link, error));
+  }
+  return SyncDirectory(FolderOf(link));
+}
+
 int RemoveLeftoverTemporaries(const std::filesystem::path& directory) {
   int removed = 0;
   std::error_code ignored;  // a folder that cannot be listed has nothing to remove

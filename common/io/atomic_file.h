@@ -38,6 +38,10 @@ class AtomicFile {
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> content);
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Makes `link` a symbolic link to `target` (relative to the link's folder), replacing an earlier link at
+// once.
+Status LinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target);
+
 // Removes the temporary files that killed writers left in `directory`. Only for the one process that writes
 // there: it would take the file from under another writer. Returns how many.
 int RemoveLeftoverTemporaries(const std::filesystem::path& directory);

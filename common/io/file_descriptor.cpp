@@ -37,6 +37,17 @@ Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes,
   return {};
 }
 
+Status AppendWhole(const FileDescriptor& file, std::span<const std::byte> bytes,
+                   const std::filesystem::path& path) {
+  const off_t end = ::lseek(file.get(), 0, SEEK_END);
+  if (end < 0) return tl::unexpected<Error>(IoError("append to", path, errno));
+  Status written = WriteAll(file, bytes, path);
+  // The first error is the one to report; when cutting fails as well, the reader's checks catch the rest.
+  if (!written) [[maybe_unused]]
+    const int cut = ::ftruncate(file.get(), end);
+  return written;
+}
+
 Status SyncFile(const FileDescriptor& file, const std::filesystem::path& path) {
   while (::fsync(file.get()) != 0) {
     if (errno != EINTR) return tl::unexpected<Error>(IoError("sync", path, errno));

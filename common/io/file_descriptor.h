@@ -38,6 +38,11 @@ class FileDescriptor {
 Status WriteAll(const FileDescriptor& file, std::span<const std::byte> bytes,
                 const std::filesystem::path& path);
 
+// Appends all of `bytes` or nothing: a write that fails in the middle is cut off again. For files opened with
+// O_APPEND that only this descriptor writes.
+Status AppendWhole(const FileDescriptor& file, std::span<const std::byte> bytes,
+                   const std::filesystem::path& path);
+
 // Forces what was written (or, for a folder, the names in it) to the device. Blocks on the disk.
 Status SyncFile(const FileDescriptor& file, const std::filesystem::path& path);
 Status SyncDirectory(const std::filesystem::path& directory);

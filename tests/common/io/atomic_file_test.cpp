@@ -122,6 +122,38 @@ TEST(AtomicFile, KilledWriterLeavesAWholeFile) {
   EXPECT_EQ(FilesIn(folder.path()), 1);
 }
 
+TEST(AtomicFile, LinkFollowsTheNewestTarget) {
+  TemporaryDirectory folder;
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "one", "1"));
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "two", "2"));
+  ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "one"));
+  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit).value(), "1");
+  ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "two"));
+  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit).value(), "2");
+  EXPECT_EQ(FilesIn(folder.path()), 3);
+}
+
+TEST(AppendWhole, FailedAppendLeavesTheFileAsItWas) {
+  TemporaryDirectory folder;
+  const auto path = folder.path() / "table";
+  ASSERT_TRUE(WriteFileAtomically(path, "row\n"));
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4096, 4096};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const auto file = FileDescriptor::Open(path, O_WRONLY | O_APPEND);
+    if (!file) _exit(2);
+    const std::string content(100000, 'x');
+    _exit(AppendWhole(*file, std::as_bytes(std::span(content)), path) ? 1 : 0);
+  }
+  int result = 0;
+  ASSERT_EQ(waitpid(child, &result, 0), child);
+  EXPECT_EQ(result, 0);
+  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "row\n");
+}
+
 TEST(ReadFile, MissingFileIsNotFoundAndTooLongIsRefused) {
   TemporaryDirectory folder;
   EXPECT_EQ(ReadFile(folder.path() / "absent", kNoLimit).error().code, ErrorCode::kNotFound);
