@@ -1,0 +1,201 @@
+#include "learner/batch_fetcher.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+// How long the thread sleeps at most, so that it notices a replay that appears or leaves.
+constexpr Duration kLongestWait = std::chrono::milliseconds(50);
+// One line for a burst of garbage, not one each.
+constexpr Duration kLogInterval = std::chrono::seconds(5);
+
+void Count(std::atomic<uint64_t>& counter, uint64_t by = 1) {
+  counter.fetch_add(by, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<BatchFetcher>> BatchFetcher::Create(const dds::Node& node, const Config& config,
+                                                           uint64_t incarnation,
+                                                           std::function<uint32_t()> newest_version,
+                                                           const Options& options) {
+  Endpoints endpoints;
+  DADRL_ASSIGN_OR_RETURN(endpoints.requests,
+                         dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
+  DADRL_ASSIGN_OR_RETURN(endpoints.replies,
+                         dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
+  DADRL_ASSIGN_OR_RETURN(endpoints.priorities, PrioritySender::Create(node));
+  return std::unique_ptr<BatchFetcher>(
+      new BatchFetcher(std::move(endpoints), config, incarnation, std::move(newest_version), options));
+}
+
+BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
+                           std::function<uint32_t()> newest_version, const Options& options)
+    : endpoints_(std::move(endpoints)),
+      algorithm_(config.algorithm),
+      shards_(config.replay.shards),
+      schema_(SchemaHash(ObservationSpec::From(config.observation))),
+      incarnation_(incarnation),
+      newest_version_(std::move(newest_version)),
+      options_(options),
+      ready_(static_cast<size_t>(config.learner.credits) + 1),
+      free_(static_cast<size_t>(config.learner.credits) + 1),
+      book_(config.replay.shards, config.learner.credits, options.request_timeout),
+      codec_(ObservationSpec::From(config.observation), config.actor.floats) {
+  // One more than the credits: a batch in training holds no credit any more.
+  for (int i = 0; i < config.learner.credits + 1; ++i) {
+    slots_.push_back(std::make_unique<Slot>(
+        Slot{TransitionBatch(ObservationSpec::From(config.observation), algorithm_.batch_size), 0}));
+    Slot* slot = slots_.back().get();
+    static_cast<void>(free_.TryPush(slot));  // has room for all
+  }
+  thread_ = std::thread([this] { Run(); });
+}
+
+BatchFetcher::~BatchFetcher() {
+  stopping_.store(true);
+  endpoints_.replies->Wake();
+  thread_.join();
+}
+
+TransitionBatch* BatchFetcher::Take(Duration timeout) {
+  const std::optional<Slot*> slot = ready_.Pop(timeout);
+  if (!slot) return nullptr;
+  endpoints_.replies->Wake();  // a credit is free
+  return &(*slot)->batch;
+}
+
+void BatchFetcher::Release(TransitionBatch* batch) {
+  Slot* slot = &SlotOf(*batch);
+  static_cast<void>(free_.TryPush(slot));  // has room for all
+}
+
+void BatchFetcher::UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) {
+  endpoints_.priorities->Send(SlotOf(batch).shard, batch.key, td_error);
+}
+
+BatchFetcher::Slot& BatchFetcher::SlotOf(const TransitionBatch& batch) {
+  const auto slot = std::find_if(slots_.begin(), slots_.end(),
+                                 [&](const auto& candidate) { return &candidate->batch == &batch; });
+  assert(slot != slots_.end());
+  return **slot;
+}
+
+FetchStats BatchFetcher::stats() const {
+  return {.batches = batches_.load(),
+          .bytes = bytes_.load(),
+          .corrupt = corrupt_.load(),
+          .stale = stale_.load(),
+          .foreign = foreign_.load(),
+          .repeated = repeated_.load(),
+          .given_up = given_up_.load(),
+          .dropped_priorities = endpoints_.priorities->dropped(),
+          .frames_held = frames_held_.load()};
+}
+
+void BatchFetcher::Run() {
+  while (!stopping_.load()) {
+    RepeatAfterRematch();
+    SendDue();
+    UpdateReasonToWait();
+    endpoints_.replies->Wait(WaitTime());
+    endpoints_.replies->Take(static_cast<int>(slots_.size()),
+                             [this](const dadrl_idl_BatchReply& reply) { OnReply(reply); });
+  }
+}
+
+Duration BatchFetcher::WaitTime() const {
+  if (!can_ask()) return kLongestWait;
+  const TimePoint now = clock_.Now();
+  return std::clamp<Duration>(book_.next_due(now) - now, Duration::zero(), kLongestWait);
+}
+
+// A request that nobody reads, or that cannot be answered, is lost: hold it.
+bool BatchFetcher::can_ask() const { return endpoints_.requests->matched() > 0 && matched_repliers_ > 0; }
+
+// A shard came back: what it was asked before is forgotten there. Either side may be the last to be matched.
+void BatchFetcher::RepeatAfterRematch() {
+  const uint64_t generation = endpoints_.requests->match_generation();
+  const int repliers = endpoints_.replies->matched();
+  if (generation != match_generation_ || repliers > matched_repliers_) book_.RepeatAll();
+  match_generation_ = generation;
+  matched_repliers_ = repliers;
+}
+
+void BatchFetcher::SendDue() {
+  if (!can_ask()) return;
+  for (const RequestBook::Request& request : book_.Due(clock_.Now(), static_cast<int>(ready_.size()))) {
+    dadrl_idl_BatchRequest sample{};
+    sample.shard = request.shard;
+    sample.learner = incarnation_;
+    sample.request = request.number;
+    sample.batch_size = static_cast<uint32_t>(algorithm_.batch_size);
+    sample.n_step = static_cast<uint32_t>(algorithm_.n_step);
+    sample.schema = schema_;
+    sample.policy_version = newest_version_();
+    // What could not be sent is repeated when its time-out passes.
+    const Status sent = endpoints_.requests->Write(sample);
+    if (!sent) spdlog::warn("batch request to replay {}: {}", request.shard, sent.error().message);
+  }
+  repeated_.store(book_.repeated(), std::memory_order_relaxed);
+  given_up_.store(book_.given_up(), std::memory_order_relaxed);
+}
+
+void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
+  if (reply.learner != incarnation_ || reply.shard >= static_cast<uint32_t>(shards_)) {
+    Count(foreign_);
+    return;
+  }
+  Count(bytes_, reply.bytes._length);
+  const RequestBook::Request request{reply.shard, reply.request};
+  const bool expected = reply.bytes._length == 0 ? book_.OnWithheld(request, reply.frames_held, clock_.Now())
+                                                 : book_.OnReply(request, reply.frames_held);
+  if (!expected) {
+    Count(stale_);
+    return;
+  }
+  frames_held_.store(book_.frames_held(), std::memory_order_relaxed);
+  if (reply.bytes._length > 0) Decode(reply);
+}
+
+void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {
+  // Credits bound what is under way, so one is always free.
+  const std::optional<Slot*> free = free_.Pop(Duration::zero());
+  assert(free.has_value());
+  Slot* slot = *free;
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(reply.bytes._buffer, reply.bytes._length));
+  const Status decoded = DecodeSampleBatch(bytes, schema_, algorithm_.gamma, codec_, slot->batch);
+  if (!decoded) {
+    static_cast<void>(free_.TryPush(slot));
+    DropCorrupt(reply, decoded.error());
+    return;
+  }
+  slot->shard = reply.shard;
+  Count(batches_);
+  static_cast<void>(ready_.TryPush(slot));  // has room for all
+}
+
+void BatchFetcher::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {
+  Count(corrupt_);
+  const TimePoint now = clock_.Now();
+  book_.HoldOff(now + options_.corrupt_pause);
+  if (corrupt_logged_at_ != TimePoint{} && now - corrupt_logged_at_ < kLogInterval) return;
+  corrupt_logged_at_ = now;
+  spdlog::warn("dropped a batch of replay {} ({} so far): {}", reply.shard, corrupt_.load(), error.message);
+}
+
+void BatchFetcher::UpdateReasonToWait() {
+  Activity reason = Activity::kWaitForBatch;
+  if (!can_ask()) {
+    reason = Activity::kWaitForReplay;
+  } else if (book_.all_withheld()) {
+    reason = Activity::kWaitForInserts;
+  }
+  waiting_for_.store(reason, std::memory_order_relaxed);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,112 @@
+// Batches from the replay shards over DDS, fetched and decoded while the trainer trains.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/bounded_queue.h"
+#include "common/util/clock.h"
+#include "common/util/result.h"
+#include "learner/batch_source.h"
+#include "learner/priority_sender.h"
+#include "learner/request_book.h"
+#include "proto/sample_batch.h"
+#include "proto/topics.h"
+
+namespace dadrl {
+
+// Cumulative, except frames_held.
+struct FetchStats {
+  uint64_t batches = 0;   // decoded
+  uint64_t bytes = 0;     // of all replies to us
+  uint64_t corrupt = 0;   // dropped: bytes that are no batch of ours
+  uint64_t stale = 0;     // dropped: request unknown, given up or answered before
+  uint64_t foreign = 0;   // dropped: addressed to another learner, or from a shard that does not exist
+  uint64_t repeated = 0;  // requests sent again
+  uint64_t given_up = 0;  // requests moved to another shard
+  uint64_t dropped_priorities = 0;
+  uint64_t frames_held = 0;  // by all shards, now
+};
+
+// Owns a thread that asks, receives and decodes, and learner.credits + 1 batches that go round. Memory is
+// allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; stats: any.
+class BatchFetcher final : public BatchSource {
+ public:
+  struct Options {
+    Duration request_timeout = std::chrono::seconds(2);       // then a request is sent again, or elsewhere
+    Duration corrupt_pause = std::chrono::milliseconds(100);  // before asking again after garbage
+  };
+
+  // `incarnation` tells this learner from the one before it. `newest_version` is called on the fetcher's
+  // thread.
+  static Result<std::unique_ptr<BatchFetcher>> Create(const dds::Node& node, const Config& config,
+                                                      uint64_t incarnation,
+                                                      std::function<uint32_t()> newest_version,
+                                                      const Options& options);
+  ~BatchFetcher() override;
+
+  TransitionBatch* Take(Duration timeout) override;
+  void Release(TransitionBatch* batch) override;
+  void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
+  Activity waiting_for() const override { return waiting_for_.load(std::memory_order_relaxed); }
+
+  FetchStats stats() const;
+
+ private:
+  struct Slot {
+    TransitionBatch batch;
+    uint32_t shard = 0;
+  };
+  struct Endpoints {
+    std::unique_ptr<dds::Writer<dadrl_idl_BatchRequest>> requests;
+    std::unique_ptr<dds::Reader<dadrl_idl_BatchReply>> replies;
+    std::unique_ptr<PrioritySender> priorities;
+  };
+
+  BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
+               std::function<uint32_t()> newest_version, const Options& options);
+  void Run();
+  Duration WaitTime() const;
+  bool can_ask() const;
+  void RepeatAfterRematch();
+  void SendDue();
+  void OnReply(const dadrl_idl_BatchReply& reply);
+  void Decode(const dadrl_idl_BatchReply& reply);
+  void DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error);
+  void UpdateReasonToWait();
+  Slot& SlotOf(const TransitionBatch& batch);
+
+  const Endpoints endpoints_;
+  const AlgorithmConfig algorithm_;
+  const int shards_;
+  const uint64_t schema_;
+  const uint64_t incarnation_;
+  const std::function<uint32_t()> newest_version_;
+  const Options options_;
+  SystemClock clock_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  BoundedQueue<Slot*> ready_;
+  BoundedQueue<Slot*> free_;
+  std::atomic<Activity> waiting_for_{Activity::kWaitForReplay};
+  std::atomic<bool> stopping_{false};
+
+  // The fetcher's thread.
+  RequestBook book_;
+  FrameCodec codec_;
+  uint64_t match_generation_ = 0;
+  int matched_repliers_ = 0;
+  TimePoint corrupt_logged_at_{};
+
+  std::atomic<uint64_t> batches_{0}, bytes_{0}, corrupt_{0}, stale_{0}, foreign_{0}, repeated_{0},
+      given_up_{0}, frames_held_{0};
+  std::thread thread_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,54 @@
+// Writes checkpoints in the background: the training thread pays for a copy in memory, never for the disk.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <thread>
+
+#include "common/util/clock.h"
+#include "common/util/mutex.h"
+#include "learner/checkpoint_store.h"
+
+namespace dadrl {
+
+// Owns its thread and one snapshot that it reuses. Begin, Submit and Finish: the training thread; the rest:
+// any.
+class CheckpointWriter {
+ public:
+  // Borrows `clock`.
+  CheckpointWriter(CheckpointStore store, const Clock& clock);
+  // Finishes what was submitted.
+  ~CheckpointWriter();
+
+  // The snapshot to fill, or null while the one before is still being written: then try again later. Never
+  // blocks.
+  Checkpoint* Begin() DADRL_EXCLUDES(mutex_);
+  // Hands the filled snapshot over. A failure is logged, the next checkpoint is a new try.
+  void Submit() DADRL_EXCLUDES(mutex_);
+  // Waits until nothing is under way; the outcome of the last save.
+  Status Finish() DADRL_EXCLUDES(mutex_);
+
+  struct Progress {
+    uint64_t saved = 0;                 // checkpoints
+    uint64_t failed = 0;                // attempts
+    std::optional<TimePoint> saved_at;  // when the newest was complete
+    uint64_t saved_updates = 0;         // of the newest
+  };
+  Progress progress() const DADRL_EXCLUDES(mutex_);
+
+ private:
+  enum class State { kIdle, kSubmitted, kStopping };
+  void Run() DADRL_EXCLUDES(mutex_);
+
+  CheckpointStore store_;
+  const Clock& clock_;
+  Checkpoint snapshot_;  // the training thread's while idle, the writer's while submitted
+  mutable Mutex mutex_;
+  CondVar changed_;
+  State state_ DADRL_GUARDED_BY(mutex_) = State::kIdle;
+  Status last_ DADRL_GUARDED_BY(mutex_);
+  Progress progress_ DADRL_GUARDED_BY(mutex_);
+  std::thread thread_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,56 @@
+#include "learner/learner_process.h"
+
+#include <memory>
+#include <string>
+
+#include "common/util/log.h"
+#include "common/util/shutdown.h"
+#include "learner/algorithms/algorithm.h"
+#include "learner/batch_fetcher.h"
+#include "learner/checkpoint_store.h"
+#include "learner/checkpoint_writer.h"
+#include "learner/heartbeat.h"
+#include "learner/reporter.h"
+#include "learner/resume.h"
+#include "learner/trainer.h"
+#include "learner/training_log.h"
+#include "learner/weight_publisher.h"
+#include "proto/telemetry.h"
+
+namespace dadrl {
+
+Status RunLearner(const Config& config, const std::filesystem::path& run_directory, bool resume) {
+  const auto incarnation = static_cast<uint64_t>(WallTimeNs());
+  // The ports come first: a second learner of the run stops here, before it touches a file.
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Node> node,
+                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kLearner, 0));
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<Algorithm> algorithm, MakeAlgorithm(config));
+  const std::filesystem::path folder = run_directory / "checkpoints";
+  auto store = CheckpointStore::Open(folder, config.learner.checkpoints_kept);
+  if (!store) return tl::unexpected<Error>(std::move(store.error()));
+  DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(folder));
+  DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
+                         BeginTraining(config, *store, reserve.highest(), resume, *algorithm));
+  auto log = TrainingLog::Open(run_directory);
+  if (!log) return tl::unexpected<Error>(std::move(log.error()));
+
+  SystemClock clock;
+  TelemetryPublisher telemetry(config.telemetry.enabled ? TelemetryUrl(config.cluster) : std::string());
+  CheckpointWriter checkpoints(std::move(*store), clock);
+  DADRL_ASSIGN_OR_RETURN(const auto publisher,
+                         WeightPublisher::Create(*node, std::move(reserve), progress.weights_version));
+  const auto newest_version = [&publisher] { return publisher->newest_version(); };
+  DADRL_ASSIGN_OR_RETURN(const auto fetcher,
+                         BatchFetcher::Create(*node, config, incarnation, newest_version, {}));
+  Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
+  DADRL_ASSIGN_OR_RETURN(const auto heartbeat,
+                         Heartbeat::Start(*node, incarnation, [&trainer] { return trainer.beats(); }));
+  const Reporter reporter(config.telemetry,
+                          {trainer, checkpoints, telemetry, *log, [&fetcher] { return fetcher->stats(); }},
+                          incarnation);
+  DADRL_ASSIGN_OR_RETURN(const std::string why, trainer.Run(shutdown_requested));
+  spdlog::info("training ended: {}", why);
+  return {};
+}
+
+}  // namespace dadrl

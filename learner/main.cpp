@@ -1,0 +1,49 @@
+// dadrl-learner --config FILE --run-dir DIR [--resume]
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "common/util/log.h"
+#include "common/util/shutdown.h"
+#include "learner/learner_process.h"
+
+namespace {
+
+dadrl::Status Learn(const std::filesystem::path& config_file, const std::filesystem::path& run_directory,
+                    bool resume) {
+  dadrl::Config config;
+  DADRL_RETURN_IF_ERROR(dadrl::LoadYaml(config_file, config));
+  DADRL_RETURN_IF_ERROR(dadrl::Validate(config));
+  return dadrl::RunLearner(config, run_directory, resume);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Trains the policy from the replay's experience and broadcasts it to the actors.",
+               "dadrl-learner");
+  std::filesystem::path config_file;
+  std::filesystem::path run_directory;
+  bool resume = false;
+  app.add_option("--config", config_file, "Configuration of the run, YAML")->required();
+  app.add_option("--run-dir", run_directory, "Folder of the run: checkpoints, logs, tensorboard")->required();
+  app.add_flag("--resume", resume, "Go on from the newest checkpoint of the run");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  dadrl::InitLogging("learner");
+  dadrl::InstallShutdownHandler();
+  try {
+    const dadrl::Status status = Learn(config_file, run_directory, resume);
+    if (status) return 0;
+    spdlog::error("{}", status.error().message);
+    return dadrl::ExitCode(status.error());
+  } catch (const std::exception& exception) {
+    spdlog::error("unexpected: {}", exception.what());
+    return 1;
+  }
+}

@@ -1,0 +1,54 @@
+#include "learner/priority_sender.h"
+
+namespace dadrl {
+
+Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node) {
+  DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
+  return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer)));
+}
+
+PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer)
+    : writer_(std::move(writer)), messages_(kMessages) {
+  for (Message& message : messages_) {
+    Message* free = &message;
+    static_cast<void>(free_.TryPush(free));  // has room for all
+  }
+  thread_ = std::thread([this] { Run(); });
+}
+
+PrioritySender::~PrioritySender() {
+  stopping_.store(true);
+  filled_.Close();
+  thread_.join();
+}
+
+void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::span<const float> priorities) {
+  const std::optional<Message*> message = free_.Pop(Duration::zero());
+  if (!message) {
+    dropped_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  (*message)->shard = shard;
+  (*message)->keys.assign(keys.begin(), keys.end());
+  (*message)->priorities.assign(priorities.begin(), priorities.end());
+  Message* filled = *message;
+  static_cast<void>(filled_.TryPush(filled));  // has room for all
+}
+
+void PrioritySender::Run() {
+  while (!stopping_.load()) {
+    const std::optional<Message*> next = filled_.Pop(std::chrono::seconds(1));
+    if (!next) continue;
+    Message& message = **next;
+    dadrl_idl_PriorityUpdate sample{};
+    sample.shard = message.shard;
+    const auto count = static_cast<uint32_t>(message.keys.size());
+    sample.keys = {count, count, message.keys.data(), false};
+    sample.priorities = {count, count, message.priorities.data(), false};
+    if (!writer_->Write(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
+    Message* free = &message;
+    static_cast<void>(free_.TryPush(free));
+  }
+}
+
+}  // namespace dadrl

@@ -1,0 +1,108 @@
+#include "learner/reporter.h"
+
+#include <unistd.h>
+
+#include <numeric>
+
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+constexpr Duration kPrintInterval = std::chrono::seconds(30);
+
+double Seconds(const TimeLedger::Totals& totals, Activity activity) {
+  return totals[static_cast<size_t>(activity)];
+}
+
+}  // namespace
+
+Reporter::Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t incarnation)
+    : interval_(FromSeconds(config.interval_s)),
+      parts_(parts),
+      incarnation_(incarnation),
+      started_(clock_.Now()),
+      reported_at_(started_),
+      printed_at_(started_),
+      thread_([this] { Run(); }) {}
+
+Reporter::~Reporter() {
+  {
+    MutexLock lock(mutex_);
+    stopping_ = true;
+    changed_.NotifyAll();
+  }
+  thread_.join();
+}
+
+void Reporter::Run() {
+  bool stopping = false;
+  while (!stopping) {
+    {
+      MutexLock lock(mutex_);
+      const TimePoint due = reported_at_ + interval_;
+      for (Duration left = due - clock_.Now(); !stopping_ && left > Duration::zero();
+           left = due - clock_.Now()) {
+        changed_.WaitFor(mutex_, left);
+      }
+      stopping = stopping_;
+    }
+    Report();
+  }
+}
+
+void Reporter::Report() {
+  const TimePoint now = clock_.Now();
+  const TrainingInterval interval = parts_.trainer.TakeInterval();
+  const FetchStats fetched = parts_.fetch_stats();
+  const TimeLedger::Totals activity = parts_.trainer.ledger().Read();
+  parts_.telemetry.Publish(MakeStatus(interval, fetched, activity));
+
+  const double all_s = std::accumulate(activity.begin(), activity.end(), 0.0) -
+                       std::accumulate(activity_.begin(), activity_.end(), 0.0);
+  const double work_s = Seconds(activity, Activity::kWork) - Seconds(activity_, Activity::kWork);
+  const LogContext context{.wall_time_s = 1e-9 * static_cast<double>(WallTimeNs()),
+                           .interval_s = ToSeconds(now - reported_at_),
+                           .batch_bytes = static_cast<double>(fetched.bytes - batch_bytes_),
+                           .replay_frames = static_cast<double>(fetched.frames_held),
+                           .work_fraction = all_s > 0.0 ? work_s / all_s : 0.0};
+  parts_.log.Add(interval, context);
+  if (now - printed_at_ >= kPrintInterval) {
+    spdlog::info("{} updates, {:.1f}/s, weights version {}, critic loss {:.4f}, {:.0f} % busy",
+                 interval.updates, static_cast<double>(interval.interval_updates) / context.interval_s,
+                 interval.weights_version, interval.mean.critic_loss, 100.0 * context.work_fraction);
+    printed_at_ = now;
+  }
+  reported_at_ = now;
+  activity_ = activity;
+  batch_bytes_ = fetched.bytes;
+}
+
+ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
+                                   const TimeLedger::Totals& activity) const {
+  const CheckpointWriter::Progress saved = parts_.checkpoints.progress();
+  const TimePoint now = clock_.Now();
+  ProcessStatus status;
+  status.role = dds::Role::kLearner;
+  status.pid = ::getpid();
+  status.incarnation = incarnation_;
+  status.sent_ns = WallTimeNs();
+  status.uptime_s = ToSeconds(now - started_);
+  status.activity_s = activity;
+  status[Metric::kUpdates] = static_cast<double>(interval.updates);
+  status[Metric::kWeightsVersion] = interval.weights_version;
+  status[Metric::kBatchBytes] = static_cast<double>(fetched.bytes);
+  status[Metric::kStalenessVersionsMean] = interval.staleness.versions_mean;
+  status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
+  status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;
+  status[Metric::kStalenessSecondsMax] = interval.staleness.seconds_max;
+  status[Metric::kCriticLoss] = interval.mean.critic_loss;
+  status[Metric::kActorLoss] = interval.mean.actor_loss;
+  status[Metric::kTemperature] = interval.mean.temperature;
+  status[Metric::kEntropy] = interval.mean.entropy;
+  status[Metric::kMeanQ] = interval.mean.mean_q;
+  status[Metric::kCheckpointAgeS] = ToSeconds(now - saved.saved_at.value_or(started_));
+  return status;
+}
+
+}  // namespace dadrl

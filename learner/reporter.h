@@ -1,0 +1,58 @@
+// What the learner tells people, once an interval: LCM status, training log, a line now and then.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <thread>
+
+#include "common/config/config.h"
+#include "common/util/clock.h"
+#include "common/util/mutex.h"
+#include "learner/batch_fetcher.h"
+#include "learner/checkpoint_writer.h"
+#include "learner/trainer.h"
+#include "learner/training_log.h"
+#include "proto/telemetry.h"
+
+namespace dadrl {
+
+// Owns a thread, so that neither the disk nor a network can hold up training.
+class Reporter {
+ public:
+  // Borrowed; they outlive the reporter.
+  struct Parts {
+    Trainer& trainer;
+    const CheckpointWriter& checkpoints;
+    TelemetryPublisher& telemetry;
+    TrainingLog& log;
+    std::function<FetchStats()> fetch_stats;
+  };
+  Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t incarnation);
+  // Reports the last, partial interval.
+  ~Reporter();
+
+ private:
+  void Run() DADRL_EXCLUDES(mutex_);
+  void Report();
+  ProcessStatus MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
+                           const TimeLedger::Totals& activity) const;
+
+  const Duration interval_;
+  Parts parts_;
+  const uint64_t incarnation_;
+  SystemClock clock_;
+  const TimePoint started_;
+
+  // The reporter's thread: what the last report said.
+  TimePoint reported_at_;
+  TimePoint printed_at_;
+  TimeLedger::Totals activity_{};
+  uint64_t batch_bytes_ = 0;
+
+  Mutex mutex_;
+  CondVar changed_;
+  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,107 @@
+#include "learner/tensorboard_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+
+#include "common/io/byte_io.h"
+#include "common/io/crc32c.h"
+#include "common/util/clock.h"
+
+namespace dadrl {
+namespace {
+
+// Field numbers of event.proto and summary.proto.
+constexpr uint32_t kEventWallTime = 1;
+constexpr uint32_t kEventStep = 2;
+constexpr uint32_t kEventFileVersion = 3;
+constexpr uint32_t kEventSummary = 5;
+constexpr uint32_t kSummaryValue = 1;
+constexpr uint32_t kValueTag = 1;
+constexpr uint32_t kValueSimple = 2;
+
+// Protobuf's wire encoding, as far as events need it.
+class Message {
+ public:
+  void Varint(uint32_t field, uint64_t value) {
+    PutVarint(field << 3 | 0u);
+    PutVarint(value);
+  }
+  void Double(uint32_t field, double value) {
+    PutVarint(field << 3 | 1u);
+    ByteWriter(bytes_).Put(value);
+  }
+  void Bytes(uint32_t field, std::span<const std::byte> value) {
+    PutVarint(field << 3 | 2u);
+    PutVarint(value.size());
+    ByteWriter(bytes_).PutBytes(value);
+  }
+  void Text(uint32_t field, std::string_view value) { Bytes(field, std::as_bytes(std::span(value))); }
+  void Float(uint32_t field, float value) {
+    PutVarint(field << 3 | 5u);
+    ByteWriter(bytes_).Put(value);
+  }
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  void PutVarint(uint64_t value) {
+    for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<std::byte>(value | 0x80));
+    bytes_.push_back(static_cast<std::byte>(value));
+  }
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path& directory) {
+  std::error_code failed;
+  std::filesystem::create_directories(directory, failed);
+  if (failed) {
+    return Fail(ErrorCode::kInternal, "cannot create {}: {}; choose another run directory",
+                directory.string(), failed.message());
+  }
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0 || host[0] == '\0') host = {'h', 'o', 's', 't'};
+  const double now_s = 1e-9 * static_cast<double>(WallTimeNs());
+  const std::filesystem::path path =
+      directory /
+      fmt::format("events.out.tfevents.{}.{}.{}", static_cast<int64_t>(now_s), host.data(), ::getpid());
+  auto file = FileDescriptor::Open(path, O_WRONLY | O_CREAT | O_APPEND);
+  if (!file) return tl::unexpected<Error>(std::move(file.error()));
+  TensorBoardWriter writer(path, std::move(*file));
+  Message version;
+  version.Double(kEventWallTime, now_s);
+  version.Text(kEventFileVersion, "brain.Event:2");
+  DADRL_RETURN_IF_ERROR(writer.WriteRecord(version.bytes()));
+  return writer;
+}
+
+Status TensorBoardWriter::Add(int64_t step, double wall_time_s, std::span<const TaggedScalar> scalars) {
+  Message summary;
+  for (const TaggedScalar& scalar : scalars) {
+    if (!std::isfinite(scalar.value)) continue;
+    Message value;
+    value.Text(kValueTag, scalar.tag);
+    value.Float(kValueSimple, static_cast<float>(scalar.value));
+    summary.Bytes(kSummaryValue, value.bytes());
+  }
+  Message event;
+  event.Double(kEventWallTime, wall_time_s);
+  event.Varint(kEventStep, static_cast<uint64_t>(step));
+  event.Bytes(kEventSummary, summary.bytes());
+  return WriteRecord(event.bytes());
+}
+
+Status TensorBoardWriter::WriteRecord(std::span<const std::byte> event) {
+  std::vector<std::byte> record;
+  ByteWriter writer(record);
+  writer.Put(static_cast<uint64_t>(event.size()));
+  writer.Put(MaskedCrc32c(std::span(record).first(sizeof(uint64_t))));
+  writer.PutBytes(event);
+  writer.Put(MaskedCrc32c(event));
+  return AppendWhole(file_, record, path_);
+}
+
+}  // namespace dadrl

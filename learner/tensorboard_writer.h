@@ -1,0 +1,44 @@
+// TensorBoard event files, written without TensorBoard: scalars only.
+//
+// A file is a sequence of TFRecords (u64 length, masked crc32c of it, data, masked crc32c of the data), each
+// an Event message in protobuf encoding (tensorflow/core/util/event.proto).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/io/file_descriptor.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+struct TaggedScalar {
+  std::string_view tag;  // "loss/critic": what stands before the slash groups the charts
+  double value = 0.0;
+};
+
+// Not thread safe; each call writes through to the system, so that a killed process loses nothing.
+class TensorBoardWriter {
+ public:
+  // A new event file in `directory` (created when missing): TensorBoard joins the files of a folder into one
+  // run, so a resumed training continues the curves.
+  static Result<TensorBoardWriter> Create(const std::filesystem::path& directory);
+
+  // One event of all `scalars` at `step`. Values that are not finite are left out.
+  Status Add(int64_t step, double wall_time_s, std::span<const TaggedScalar> scalars);
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  TensorBoardWriter(std::filesystem::path path, FileDescriptor file)
+      : path_(std::move(path)), file_(std::move(file)) {}
+  Status WriteRecord(std::span<const std::byte> event);
+
+  std::filesystem::path path_;
+  FileDescriptor file_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,200 @@
+#include "learner/trainer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/config/config_yaml.h"
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+// How long the loop waits before it looks again at `stop`, the limits and the reason for waiting.
+constexpr Duration kSlice = std::chrono::milliseconds(100);
+
+void AddTo(UpdateStats& sum, const UpdateStats& stats) {
+  sum.critic_loss += stats.critic_loss;
+  sum.actor_loss += stats.actor_loss;
+  sum.temperature += stats.temperature;
+  sum.temperature_loss += stats.temperature_loss;
+  sum.entropy += stats.entropy;
+  sum.mean_q += stats.mean_q;
+  sum.mean_target += stats.mean_target;
+}
+
+UpdateStats Scaled(const UpdateStats& sum, double factor) {
+  return {.critic_loss = factor * sum.critic_loss,
+          .actor_loss = factor * sum.actor_loss,
+          .temperature = factor * sum.temperature,
+          .temperature_loss = factor * sum.temperature_loss,
+          .entropy = factor * sum.entropy,
+          .mean_q = factor * sum.mean_q,
+          .mean_target = factor * sum.mean_target};
+}
+
+}  // namespace
+
+Trainer::Trainer(const Config& config, const Parts& parts, const TrainingProgress& progress)
+    : config_(config),
+      config_yaml_(ToYaml(config, false)),
+      parts_(parts),
+      ledger_(parts.clock),
+      started_(parts.clock.Now()),
+      trained_before_s_(progress.trained_s),
+      published_at_(started_),
+      checkpointed_at_(started_),
+      publish_now_(progress.updates > 0),
+      updates_(progress.updates),
+      weights_version_(progress.weights_version),
+      staleness_(progress.weights_version, progress.published_ns),
+      shared_updates_(progress.updates) {}
+
+TransitionBatch* Trainer::WaitForBatch(Duration timeout) {
+  if (TransitionBatch* ready = parts_.batches.Take(Duration::zero())) return ready;
+  ledger_.Enter(parts_.batches.waiting_for());
+  return parts_.batches.Take(timeout);
+}
+
+Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
+  beats_.fetch_add(1, std::memory_order_relaxed);
+  if (publish_now_) {
+    publish_now_ = false;
+    DADRL_RETURN_IF_ERROR(Publish());
+  }
+  TransitionBatch* batch = WaitForBatch(timeout);
+  if (batch == nullptr) return Step::kNoBatch;
+  ledger_.Enter(Activity::kWork);
+  auto stats = parts_.algorithm.Update(*batch);
+  if (!stats) {
+    parts_.batches.Release(batch);
+    return tl::unexpected<Error>(std::move(stats.error()));
+  }
+  ++updates_;
+  {
+    MutexLock lock(mutex_);
+    AddTo(sum_, *stats);
+    ++interval_updates_;
+    shared_updates_ = updates_;
+    staleness_.Add(batch->policy_version);
+  }
+  if (config_.replay.sampler == SamplerKind::kPrioritized) {
+    parts_.batches.UpdatePriorities(*batch, parts_.algorithm.td_error());
+  }
+  parts_.batches.Release(batch);
+  DADRL_RETURN_IF_ERROR(PublishIfDue());
+  DADRL_RETURN_IF_ERROR(CheckpointIfDue());
+  return Step::kUpdated;
+}
+
+Status Trainer::PublishIfDue() {
+  const bool first = weights_version_.load(std::memory_order_relaxed) == 0;
+  const double since_s = ToSeconds(parts_.clock.Now() - published_at_);
+  if (!first && since_s < config_.learner.publish_interval_s) return {};
+  return Publish();
+}
+
+Status Trainer::Publish() {
+  DADRL_RETURN_IF_ERROR(RequireFinitePolicy());
+  const uint32_t version = weights_version_.load(std::memory_order_relaxed) + 1;
+  parts_.publisher.Publish({.version = version,
+                            .updates = updates_,
+                            .layout_hash = parts_.algorithm.layout_hash(),
+                            .parameters = parts_.algorithm.published_policy()});
+  weights_version_.store(version, std::memory_order_relaxed);
+  published_at_ = parts_.clock.Now();
+  MutexLock lock(mutex_);
+  staleness_.OnPublish(version, parts_.wall_time_ns());
+  return {};
+}
+
+// The algorithm checks its losses; this is the last gate before actors and files.
+Status Trainer::RequireFinitePolicy() const {
+  const std::span<const float> policy = parts_.algorithm.published_policy();
+  const auto bad = std::find_if_not(policy.begin(), policy.end(), [](float v) { return std::isfinite(v); });
+  if (bad == policy.end()) return {};
+  return Fail(ErrorCode::kInternal,
+              "parameter {} of the policy is not finite after {} updates: it is neither published nor saved; "
+              "resume from the last checkpoint with a smaller learning rate",
+              bad - policy.begin(), updates_);
+}
+
+Status Trainer::CheckpointIfDue() {
+  if (ToSeconds(parts_.clock.Now() - checkpointed_at_) < config_.learner.checkpoint_interval_s) return {};
+  DADRL_ASSIGN_OR_RETURN(const bool begun, BeginCheckpoint());
+  if (begun) checkpointed_at_ = parts_.clock.Now();
+  return {};
+}
+
+// False while the one before is still being written: a disk slower than the interval delays checkpoints, not
+// training.
+Result<bool> Trainer::BeginCheckpoint() {
+  DADRL_RETURN_IF_ERROR(RequireFinitePolicy());
+  Checkpoint* snapshot = parts_.checkpoints.Begin();
+  if (snapshot == nullptr) return false;
+  CaptureState(parts_.algorithm, *snapshot);
+  snapshot->updates = updates_;
+  snapshot->weights_version = weights_version_.load(std::memory_order_relaxed);
+  snapshot->trained_s = TrainedSeconds();
+  snapshot->config_yaml = config_yaml_;
+  {
+    MutexLock lock(mutex_);
+    snapshot->published_ns = staleness_.published_ns();
+  }
+  parts_.checkpoints.Submit();
+  return true;
+}
+
+Status Trainer::SaveNow() {
+  // Whatever the one before came to, this one decides.
+  static_cast<void>(parts_.checkpoints.Finish());
+  DADRL_ASSIGN_OR_RETURN([[maybe_unused]] const bool begun, BeginCheckpoint());
+  return parts_.checkpoints.Finish();
+}
+
+Result<std::string> Trainer::Run(const std::atomic<bool>& stop) {
+  std::string reason;
+  while (reason.empty()) {
+    if (stop.load()) {
+      reason = "asked to stop";
+    } else {
+      reason = LimitReached();
+    }
+    if (!reason.empty()) break;
+    auto step = RunStep(kSlice);
+    if (!step) return tl::unexpected<Error>(std::move(step.error()));
+  }
+  const ScopedActivity saving(ledger_, Activity::kWaitForDisk);
+  DADRL_RETURN_IF_ERROR(SaveNow());
+  return fmt::format("{} after {} updates", reason, updates_);
+}
+
+double Trainer::TrainedSeconds() const {
+  return trained_before_s_ + ToSeconds(parts_.clock.Now() - started_);
+}
+
+std::string Trainer::LimitReached() const {
+  const auto max_updates = static_cast<uint64_t>(config_.learner.max_updates);
+  if (max_updates > 0 && updates_ >= max_updates) {
+    return fmt::format("learner.max_updates of {} reached", max_updates);
+  }
+  if (config_.minutes > 0.0 && TrainedSeconds() >= 60.0 * config_.minutes) {
+    return fmt::format("minutes of {} reached", config_.minutes);
+  }
+  return {};
+}
+
+TrainingInterval Trainer::TakeInterval() {
+  MutexLock lock(mutex_);
+  TrainingInterval interval{.updates = shared_updates_,
+                            .weights_version = weights_version(),
+                            .trained_s = TrainedSeconds(),
+                            .interval_updates = interval_updates_,
+                            .mean = {},
+                            .staleness = staleness_.TakeInterval()};
+  if (interval_updates_ > 0) interval.mean = Scaled(sum_, 1.0 / static_cast<double>(interval_updates_));
+  sum_ = {};
+  interval_updates_ = 0;
+  return interval;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,82 @@
+#include "learner/weight_publisher.h"
+
+#include "common/io/checksum.h"
+#include "common/util/clock.h"
+#include "common/util/log.h"
+
+namespace dadrl {
+
+Result<std::unique_ptr<WeightPublisher>> WeightPublisher::Create(const dds::Node& node,
+                                                                 VersionReserve reserve,
+                                                                 uint32_t newest_version) {
+  DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_Weights>::Create(node, kWeightsTopic));
+  return std::unique_ptr<WeightPublisher>(
+      new WeightPublisher(std::move(writer), std::move(reserve), newest_version));
+}
+
+WeightPublisher::WeightPublisher(std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer,
+                                 VersionReserve reserve, uint32_t newest_version)
+    : writer_(std::move(writer)),
+      reserve_(std::move(reserve)),
+      newest_version_(newest_version),
+      thread_([this] { Run(); }) {}
+
+WeightPublisher::~WeightPublisher() {
+  {
+    MutexLock lock(mutex_);
+    stopping_ = true;
+    changed_.NotifyAll();
+  }
+  thread_.join();
+}
+
+void WeightPublisher::Publish(const PolicyUpdate& update) {
+  newest_version_.store(update.version, std::memory_order_relaxed);
+  MutexLock lock(mutex_);
+  pending_.version = update.version;
+  pending_.updates = update.updates;
+  pending_.layout_hash = update.layout_hash;
+  pending_.parameters.assign(update.parameters.begin(), update.parameters.end());
+  changed_.NotifyAll();
+}
+
+void WeightPublisher::Run() {
+  Pending sending;  // two buffers take turns
+  while (true) {
+    {
+      MutexLock lock(mutex_);
+      while (pending_.version == 0 && !stopping_) changed_.Wait(mutex_);
+      if (pending_.version == 0) return;
+      std::swap(sending, pending_);
+      pending_.version = 0;
+    }
+    Send(sending);
+  }
+}
+
+void WeightPublisher::Send(const Pending& policy) {
+  // A version that cannot be reserved (disk full) is broadcast all the same: stale actors would be worse than
+  // a number that a crash might use twice.
+  const Status reserved = reserve_.Use(policy.version);
+  if (!reserved)
+    spdlog::warn("weights version {} is not reserved: {}", policy.version, reserved.error().message);
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(policy.parameters));
+  dadrl_idl_Weights sample{};
+  sample.version = policy.version;
+  sample.updates = policy.updates;
+  sample.published_ns = static_cast<uint64_t>(WallTimeNs());
+  sample.layout_hash = policy.layout_hash;
+  sample.checksum = Xxh3(bytes);
+  const auto count = static_cast<uint32_t>(bytes.size());
+  // The middleware only reads while it serialises; its struct knows no const.
+  auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
+  sample.parameters = {count, count, buffer, false};
+  const Status written = writer_->Write(sample);
+  if (!written) {
+    spdlog::warn("weights version {} was not sent: {}", policy.version, written.error().message);
+    return;
+  }
+  sent_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,59 @@
+// Broadcasts policies to the actors.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/mutex.h"
+#include "common/util/result.h"
+#include "learner/policy_publisher.h"
+#include "learner/version_reserve.h"
+#include "proto/topics.h"
+
+namespace dadrl {
+
+// Owns a thread that writes to DDS and to the version reserve. Late actors get the newest policy from the
+// middleware. Publish: one thread; the rest: any.
+class WeightPublisher final : public PolicyPublisher {
+ public:
+  // `newest_version`: of the run so far, 0 for a new one.
+  static Result<std::unique_ptr<WeightPublisher>> Create(const dds::Node& node, VersionReserve reserve,
+                                                         uint32_t newest_version);
+  // Sends what was published last, then ends.
+  ~WeightPublisher() override;
+
+  void Publish(const PolicyUpdate& update) override DADRL_EXCLUDES(mutex_);
+
+  uint32_t newest_version() const { return newest_version_.load(std::memory_order_relaxed); }
+  uint64_t sent() const { return sent_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Pending {
+    uint32_t version = 0;  // 0: nothing
+    uint64_t updates = 0;
+    uint64_t layout_hash = 0;
+    std::vector<float> parameters;
+  };
+
+  WeightPublisher(std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
+                  uint32_t newest_version);
+  void Run() DADRL_EXCLUDES(mutex_);
+  void Send(const Pending& policy);
+
+  std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer_;
+  VersionReserve reserve_;  // the thread's
+  Mutex mutex_;
+  CondVar changed_;
+  Pending pending_ DADRL_GUARDED_BY(mutex_);
+  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
+  std::atomic<uint32_t> newest_version_;
+  std::atomic<uint64_t> sent_{0};
+  std::thread thread_;
+};
+
+}  // namespace dadrl
