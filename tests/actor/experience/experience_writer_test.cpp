@@ -1,0 +1,185 @@
+#include "actor/experience/experience_writer.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "tests/actor/experience/replay_peer.h"
+
+namespace dadrl {
+namespace {
+
+constexpr uint32_t kActor = 3;
+constexpr uint64_t kIncarnation = 1234567890123;
+
+class ExperienceWriterTest : public ::testing::Test {
+ protected:
+  ExperienceWriterTest() : observation_(ObservationSpec::From(config_.observation)) {
+    config_.cluster.port = dds::FindFreePort().value();
+    config_.cluster.lease_s = 3.0;
+    config_.actor.chunk_frames = 4;
+    node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 3).value();
+  }
+  void MakeWriter() { writer_ = ExperienceWriter::Create(*node_, config_, kActor, kIncarnation).value(); }
+  void StartReplay(uint64_t window) {
+    replay_ = std::make_unique<ReplayPeer>(config_.cluster, disk_, window);
+  }
+
+  // An episode of `chunks` whole chunks. Rewards count the transitions of the test.
+  void DriveEpisode(int chunks) {
+    writer_->BeginEpisode(++episode_);
+    for (int i = 0; i < chunks * config_.actor.chunk_frames; ++i) {
+      const bool last = i + 1 == chunks * config_.actor.chunk_frames;
+      writer_->AddTransition(observation_, {0.5f, -0.5f}, reward_++, last ? kTerminated : 0, 1);
+    }
+    writer_->EndEpisode();
+  }
+  void DriveUntilBlocked() {
+    while (!writer_->blocked()) DriveEpisode(1);
+  }
+  // Every transition of the test is on the disk, once, in order.
+  void ExpectEverythingStored() {
+    ASSERT_TRUE(writer_->Flush(std::chrono::seconds(60)));
+    float expected = 0.0f;
+    uint64_t sequence = 0;
+    for (const ReplayDisk::Stored& chunk : disk_.Copy()) {
+      EXPECT_EQ(chunk.sequence, ++sequence);
+      for (const float reward : chunk.rewards) EXPECT_EQ(reward, expected++);
+    }
+    EXPECT_EQ(expected, reward_);
+    EXPECT_EQ(sequence, writer_->statistics().chunks);
+    EXPECT_EQ(writer_->statistics().backlog_bytes, 0);
+  }
+
+  Config config_;
+  Observation observation_;
+  ReplayDisk disk_;
+  std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<ExperienceWriter> writer_;
+  std::unique_ptr<ReplayPeer> replay_;
+  uint64_t episode_ = 0;
+  float reward_ = 0.0f;
+};
+
+TEST_F(ExperienceWriterTest, CutsEpisodesIntoChunks) {
+  MakeWriter();
+  StartReplay(100);
+  writer_->BeginEpisode(7);
+  for (int i = 0; i < 6; ++i) {
+    writer_->AddTransition(observation_, {0, 0}, reward_++, i == 5 ? kTruncated : 0, 1);
+  }
+  writer_->AddFinal(observation_);
+  writer_->EndEpisode();
+  writer_->BeginEpisode(8);
+  writer_->AddTransition(observation_, {0, 0}, reward_++, 0, 1);
+  ASSERT_TRUE(writer_->Flush(std::chrono::seconds(60)));
+  const auto chunks = disk_.Copy();
+  ASSERT_EQ(chunks.size(), 3);
+  EXPECT_EQ(std::tie(chunks[0].episode, chunks[0].first_frame), std::make_tuple(7u, 0u));
+  EXPECT_EQ(chunks[0].rewards.size(), 4);
+  EXPECT_EQ(std::tie(chunks[1].episode, chunks[1].first_frame), std::make_tuple(7u, 4u));
+  EXPECT_EQ(chunks[1].rewards.size(), 3) << "two transitions and the final observation";
+  EXPECT_EQ(std::tie(chunks[2].episode, chunks[2].first_frame), std::make_tuple(8u, 0u));
+}
+
+TEST_F(ExperienceWriterTest, StartsBeforeTheReplayAndLosesNothing) {
+  MakeWriter();
+  DriveEpisode(20);
+  EXPECT_FALSE(writer_->statistics().replay_present);
+  StartReplay(5);
+  ExpectEverythingStored();
+}
+
+TEST_F(ExperienceWriterTest, LosesNothingWhenTheReplayRestarts) {
+  MakeWriter();
+  for (int round = 0; round < 3; ++round) {
+    StartReplay(8);
+    const uint64_t before = disk_.stored();
+    DriveEpisode(10);
+    ASSERT_TRUE(Eventually([&] { return disk_.stored() > before + 1; }));
+    replay_ = nullptr;
+    DriveEpisode(10);
+  }
+  StartReplay(8);
+  ExpectEverythingStored();
+}
+
+TEST_F(ExperienceWriterTest, HoldsBackWhatIsNotGranted) {
+  MakeWriter();
+  StartReplay(0);
+  DriveEpisode(1);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().granted == 1; }));
+  DriveUntilBlocked();
+  EXPECT_EQ(writer_->statistics().chunks, 1 + ExperienceWriter::kAhead + 1);
+  EXPECT_FALSE(writer_->Flush(std::chrono::milliseconds(200)));
+  EXPECT_EQ(replay_->highest_seen(), 1);
+  replay_->set_window(3);
+  EXPECT_TRUE(Eventually([&] { return !writer_->blocked(); }));
+  DriveEpisode(3);
+  ExpectEverythingStored();
+}
+
+TEST_F(ExperienceWriterTest, SendsAgainWhatWasLostOnTheWay) {
+  MakeWriter();
+  StartReplay(50);
+  DriveEpisode(2);
+  ASSERT_TRUE(Eventually([&] { return disk_.stored() == 2; }));
+  replay_->LoseNext(2);
+  DriveEpisode(10);
+  ExpectEverythingStored();
+  EXPECT_GE(writer_->statistics().resent, 2);
+}
+
+TEST_F(ExperienceWriterTest, ALateAcknowledgementCostsDuplicatesNotData) {
+  MakeWriter();
+  StartReplay(50);
+  DriveEpisode(1);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().granted == 51; }));
+  replay_->set_acknowledging(false);
+  DriveEpisode(5);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().resent > 0; }));
+  EXPECT_EQ(writer_->statistics().acknowledged, 1);
+  replay_->set_acknowledging(true);
+  ExpectEverythingStored();
+}
+
+TEST_F(ExperienceWriterTest, BoundsTheBacklogWhileTheReplayIsAway) {
+  config_.actor.max_unacknowledged_bytes = 1 << 16;
+  MakeWriter();
+  EXPECT_FALSE(writer_->blocked());
+  DriveUntilBlocked();
+  const int64_t bytes = writer_->statistics().backlog_bytes;
+  EXPECT_GE(bytes, 1 << 16);
+  EXPECT_LT(bytes, (1 << 16) + (1 << 15)) << "at most one chunk beyond the bound";
+  EXPECT_FALSE(writer_->Flush(std::chrono::milliseconds(1)));
+  StartReplay(5);
+  EXPECT_TRUE(Eventually([&] { return !writer_->blocked(); }));
+  ExpectEverythingStored();
+}
+
+TEST_F(ExperienceWriterTest, IgnoresAcknowledgementsMeantForOthersOrImpossible) {
+  MakeWriter();
+  StartReplay(0);
+  replay_->set_acknowledging(false);
+  DriveEpisode(3);
+  ASSERT_TRUE(Eventually([&] { return disk_.stored() == 1; }));
+  dadrl_idl_Acknowledgement ack{};
+  ack.actor = kActor;
+  ack.incarnation = kIncarnation - 1;  // an earlier life of this actor
+  ack.stored_sequence = ack.granted_sequence = 2;
+  replay_->SendAcknowledgement(ack);
+  ack.actor = kActor + 1;
+  ack.incarnation = kIncarnation;
+  replay_->SendAcknowledgement(ack);
+  ack.actor = kActor;
+  ack.stored_sequence = ack.granted_sequence = 1000;
+  replay_->SendAcknowledgement(ack);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().alien_acknowledgements == 1; }));
+  EXPECT_EQ(writer_->statistics().acknowledged, 0);
+  replay_->set_window(10);
+  replay_->set_acknowledging(true);
+  ExpectEverythingStored();
+}
+
+}  // namespace
+}  // namespace dadrl

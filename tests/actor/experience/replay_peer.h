@@ -1,0 +1,134 @@
+// A replay shard that does what a test tells it: takes chunks over real DDS, stores them in order,
+// acknowledges.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/dds/endpoint.h"
+#include "common/util/mutex.h"
+#include "proto/experience.h"
+#include "proto/topics.h"
+
+namespace dadrl {
+
+inline bool Eventually(const std::function<bool()>& condition, double limit_s = 30.0) {
+  SystemClock clock;
+  for (const TimePoint end = clock.Now() + FromSeconds(limit_s); clock.Now() < end;) {
+    if (condition()) return true;
+    clock.SleepFor(std::chrono::milliseconds(2));
+  }
+  return condition();
+}
+
+// What outlives a replay process: its disk. Stores each sequence of one actor incarnation exactly once, in
+// order.
+struct ReplayDisk {
+  struct Stored {
+    uint64_t sequence = 0;
+    uint64_t episode = 0;
+    uint32_t first_frame = 0;
+    std::vector<float> rewards;
+  };
+  Mutex mutex;
+  std::vector<Stored> chunks DADRL_GUARDED_BY(mutex);
+  uint64_t duplicates DADRL_GUARDED_BY(mutex) = 0;
+
+  uint64_t stored() {
+    MutexLock lock(mutex);
+    return chunks.size();
+  }
+  std::vector<Stored> Copy() {
+    MutexLock lock(mutex);
+    return chunks;
+  }
+};
+
+class ReplayPeer {
+ public:
+  // Grants `window` sequences beyond what is stored; both may be changed while it runs.
+  ReplayPeer(const ClusterConfig& cluster, ReplayDisk& disk, uint64_t window) : disk_(disk), window_(window) {
+    auto node = dds::Node::Create(cluster, 1, dds::Role::kReplay, 0);
+    EXPECT_TRUE(node) << node.error().message;
+    node_ = std::move(*node);
+    chunks_ = dds::Reader<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)).value();
+    acknowledgements_ = dds::Writer<dadrl_idl_Acknowledgement>::Create(*node_, kAcknowledgementTopic).value();
+    thread_ = std::thread([this] { Run(); });
+  }
+  // As abrupt as a process's end can be within one: nothing that was received but not taken is kept.
+  ~ReplayPeer() {
+    stopping_ = true;
+    chunks_->Wake();
+    thread_.join();
+  }
+
+  void set_window(uint64_t window) { window_ = window; }
+  void set_acknowledging(bool on) { acknowledging_ = on; }
+  // Lets this many chunks pass unseen, as if they had been lost.
+  void LoseNext(int count) { lose_ = count; }
+  uint64_t highest_seen() const { return highest_seen_; }
+  void SendAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
+    EXPECT_TRUE(acknowledgements_->Write(ack));
+  }
+
+ private:
+  void Run() {
+    while (!stopping_) {
+      chunks_->Wait(std::chrono::milliseconds(20));
+      chunks_->Take(16, [this](const dadrl_idl_ChunkMessage& message) {
+        const auto view = ChunkView::Parse(
+            {reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length});
+        ASSERT_TRUE(view) << view.error().message;
+        const ChunkIdentity& identity = view->header().identity;
+        highest_seen_ = std::max<uint64_t>(highest_seen_, identity.sequence);
+        actor_ = identity.actor;
+        incarnation_ = identity.incarnation;
+        if (lose_ > 0) {
+          --lose_;
+          return;
+        }
+        Store(*view);
+      });
+      if (incarnation_ != 0 && acknowledging_) Acknowledge();
+    }
+  }
+  void Store(const ChunkView& view) {
+    MutexLock lock(disk_.mutex);
+    const uint64_t sequence = view.header().identity.sequence;
+    if (sequence <= disk_.chunks.size()) ++disk_.duplicates;
+    if (sequence != disk_.chunks.size() + 1) return;
+    ReplayDisk::Stored stored{sequence, view.header().episode, view.header().first_frame, {}};
+    for (int frame = 0; frame < view.frames(); ++frame) stored.rewards.push_back(view.reward(frame));
+    disk_.chunks.push_back(std::move(stored));
+  }
+  void Acknowledge() {
+    dadrl_idl_Acknowledgement ack{};
+    ack.actor = actor_;
+    ack.incarnation = incarnation_;
+    ack.stored_sequence = disk_.stored();
+    ack.granted_sequence = ack.stored_sequence + window_;
+    EXPECT_TRUE(acknowledgements_->Write(ack));
+  }
+
+  ReplayDisk& disk_;
+  std::atomic<uint64_t> window_;
+  std::atomic<bool> acknowledging_{true};
+  std::atomic<int> lose_{0};
+  std::atomic<uint64_t> highest_seen_{0};
+  uint32_t actor_ = 0;
+  uint64_t incarnation_ = 0;
+  std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<dds::Reader<dadrl_idl_ChunkMessage>> chunks_;
+  std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>> acknowledgements_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace dadrl
