@@ -1,0 +1,109 @@
+// The portable implementation: for processors without AVX2, and the oracle of the tests.
+#include <cstring>
+
+#include "common/nn/kernels/conv_reference.h"
+#include "common/nn/kernels/conv_table.h"
+
+namespace dadrl::nn::scalar {
+namespace {
+
+using Outputs = reference::Outputs<float>;
+
+struct Scratch {
+  reference::GradientSums sums;
+  reference::Image<float> image;
+  Outputs d_out;
+};
+
+constexpr size_t kLayerWeights[kConvLayers] = {PaperConv1::kWeights, PaperConv2::kWeights, Conv3::kWeights,
+                                               Conv4::kWeights, Conv5::kWeights};
+constexpr size_t kLayerBiases[kConvLayers] = {PaperConv1::kOut, PaperConv2::kOut, Conv3::kOut, Conv4::kOut,
+                                              Conv5::kOut};
+
+reference::Params<float> ToReference(const ConvStackParams& params) {
+  reference::Params<float> result;
+  for (int l = 0; l < kConvLayers; ++l) {
+    result.weight[l] = params.weight[l];
+    result.bias[l] = params.bias[l];
+  }
+  return result;
+}
+
+void Forward(const uint8_t* context, int batch, const ConvStackParams& params, float* groups, float* scratch,
+             float* features, bool keep) {
+  auto* const outputs = reinterpret_cast<Outputs*>(groups);
+  auto* const work = reinterpret_cast<Scratch*>(scratch);
+  for (int n = 0; n < batch; ++n) {
+    Outputs& out = outputs[keep ? n : 0];
+    reference::Forward(context + n * kContextImageBytes, ToReference(params), work->image, out);
+    std::memcpy(features + n * kConvFeatures, out.layer5, sizeof(out.layer5));
+  }
+}
+
+void Store(const double* sums, size_t count, float* out) {
+  for (size_t i = 0; i < count; ++i) out[i] = static_cast<float>(sums[i]);
+}
+
+void Backward(const uint8_t* context, int batch, const ConvStackParams& params, const float* groups,
+              float* scratch, const float* d_features, const ConvStackGrads& grads) {
+  const auto* const outputs = reinterpret_cast<const Outputs*>(groups);
+  auto* const work = reinterpret_cast<Scratch*>(scratch);
+  std::memset(&work->sums, 0, sizeof(work->sums));
+  for (int n = 0; n < batch; ++n) {
+    reference::Backward(context + n * kContextImageBytes, ToReference(params), outputs[n],
+                        d_features + n * kConvFeatures, work->image, work->d_out, work->sums);
+  }
+  const auto& sums = work->sums;
+  const double* const weights[] = {sums.weight1, sums.weight2, sums.weight3, sums.weight4, sums.weight5};
+  const double* const biases[] = {sums.bias1, sums.bias2, sums.bias3, sums.bias4, sums.bias5};
+  for (int l = 0; l < kConvLayers; ++l) {
+    Store(weights[l], kLayerWeights[l], grads.weight[l]);
+    Store(biases[l], kLayerBiases[l], grads.bias[l]);
+  }
+}
+
+struct SinglePacked {
+  float weight1[PaperConv1::kWeights], weight2[PaperConv2::kWeights], weight3[Conv3::kWeights];
+  float weight4[Conv4::kWeights], weight5[Conv5::kWeights];
+  float bias1[PaperConv1::kOut], bias2[PaperConv2::kOut], bias3[Conv3::kOut], bias4[Conv4::kOut];
+  float bias5[Conv5::kOut];
+};
+
+void SinglePack(const ConvStackParams& params, float* packed) {
+  auto* const p = reinterpret_cast<SinglePacked*>(packed);
+  float* const weights[] = {p->weight1, p->weight2, p->weight3, p->weight4, p->weight5};
+  float* const biases[] = {p->bias1, p->bias2, p->bias3, p->bias4, p->bias5};
+  for (int l = 0; l < kConvLayers; ++l) {
+    std::memcpy(weights[l], params.weight[l], kLayerWeights[l] * sizeof(float));
+    std::memcpy(biases[l], params.bias[l], kLayerBiases[l] * sizeof(float));
+  }
+}
+
+struct SingleScratch {
+  reference::Image<float> image;
+  Outputs out;
+};
+
+void SingleForward(const uint8_t* context, const float* packed, float* scratch, float* features) {
+  const auto* const p = reinterpret_cast<const SinglePacked*>(packed);
+  auto* const work = reinterpret_cast<SingleScratch*>(scratch);
+  const reference::Params<float> params = {{p->weight1, p->weight2, p->weight3, p->weight4, p->weight5},
+                                           {p->bias1, p->bias2, p->bias3, p->bias4, p->bias5}};
+  reference::Forward(context, params, work->image, work->out);
+  std::memcpy(features, work->out.layer5, sizeof(work->out.layer5));
+}
+
+}  // namespace
+
+const ConvKernelTable kConvKernels = {
+    kConvGroup * sizeof(Outputs) / sizeof(float),
+    sizeof(Scratch) / sizeof(float),
+    Forward,
+    Backward,
+    sizeof(SinglePacked) / sizeof(float),
+    sizeof(SingleScratch) / sizeof(float),
+    SinglePack,
+    SingleForward,
+};
+
+}  // namespace dadrl::nn::scalar

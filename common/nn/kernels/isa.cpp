@@ -1,0 +1,57 @@
+#include "common/nn/kernels/isa.h"
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+
+namespace dadrl::nn {
+namespace {
+
+constexpr std::array kNames = {std::string_view("scalar"), std::string_view("avx2"),
+                               std::string_view("avx512")};
+
+Isa InitialIsa() {
+  const Isa best = DetectIsa();
+  const char* const wanted = std::getenv("DADRL_ISA");
+  if (wanted == nullptr) return best;
+  const auto isa = IsaFromName(wanted);
+  return isa && *isa <= best ? *isa : best;
+}
+
+std::atomic<Isa>& Choice() {
+  static std::atomic<Isa> choice(InitialIsa());
+  return choice;
+}
+
+}  // namespace
+
+Isa DetectIsa() {
+#if defined(DADRL_HAVE_X86_KERNELS)
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+  if (avx2 && avx512) return Isa::kAvx512;
+  if (avx2) return Isa::kAvx2;
+#endif
+  return Isa::kScalar;
+}
+
+Isa ActiveIsa() { return Choice().load(std::memory_order_relaxed); }
+
+bool SetIsa(Isa isa) {
+  if (isa > DetectIsa()) return false;
+  Choice().store(isa, std::memory_order_relaxed);
+  return true;
+}
+
+std::string_view IsaName(Isa isa) { return kNames[static_cast<size_t>(isa)]; }
+
+std::optional<Isa> IsaFromName(std::string_view name) {
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    if (kNames[i] == name) return static_cast<Isa>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace dadrl::nn
