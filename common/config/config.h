@@ -64,6 +64,7 @@ struct AlgorithmConfig {
   double actor_learning_rate = 1e-3;
   double critic_learning_rate = 1e-3;
   double temperature_learning_rate = 1e-3;
+  double adam_epsilon = 1e-8;
   double initial_temperature = 0.05;
   double target_entropy = -2.0;
   double average_decay = 0.998;  // of the averaged policy, per update

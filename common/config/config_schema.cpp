@@ -89,6 +89,8 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("algorithm.critic_learning_rate", a.critic_learning_rate, 0, 1, "Adam step of the critics");
   b.Add("algorithm.temperature_learning_rate", a.temperature_learning_rate, 0, 1,
         "Adam step of the temperature");
+  b.Add("algorithm.adam_epsilon", a.adam_epsilon, 0, 1,
+        "Adam's guard against division by zero; larger damps small gradients");
   b.Add("algorithm.initial_temperature", a.initial_temperature, 1e-6, 100, "Entropy weight at the start");
   b.Add("algorithm.target_entropy", a.target_entropy, -100, 100, "Entropy the temperature aims at, nats");
   b.Add("algorithm.average_decay", a.average_decay, 0, 1, "Decay of the averaged policy, per update");

@@ -1,0 +1,179 @@
+#include "common/model/acting_stae.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace dadrl {
+
+using nn::kLanes;
+
+namespace {
+
+constexpr int kUnits = Stae::kUnits;
+constexpr int kPadded = 64;  // units in whole vectors; the padding's state stays zero
+constexpr int kGates = 4 * kPadded;
+constexpr int kInputs = ObservationSpec::kVehicleFeatures;
+constexpr int kEgo = ObservationSpec::kEgoFeatures;
+constexpr int kRows = 4;  // sequences are processed in multiples of this, which the product's tiles like
+
+float Dot(const float* a, const float* b) {
+  float sum = 0.0f;
+  for (int i = 0; i < kUnits; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+void LayerNorm(const float* input, float* output) {
+  float mean = 0.0f;
+  for (int i = 0; i < kUnits; ++i) mean += input[i];
+  mean /= kUnits;
+  float variance = 0.0f;
+  for (int i = 0; i < kUnits; ++i) variance += (input[i] - mean) * (input[i] - mean);
+  const float inverse = 1.0f / std::sqrt(variance / kUnits + nn::kLayerNormEpsilon);
+  for (int i = 0; i < kUnits; ++i) output[i] = (input[i] - mean) * inverse;
+}
+
+}  // namespace
+
+ActingStae::ActingStae(nn::Arena& arena, const ObservationSpec& spec)
+    : spec_(spec),
+      recurrent_(arena.Allocate(size_t{kUnits + kInputs} * kGates)),
+      gate_bias_(arena.Allocate(kGates)),
+      key_bias_(arena.Allocate(kUnits)),
+      value_bias_(arena.Allocate(kUnits)),
+      query_(arena, kUnits, kUnits),
+      key_(arena, kUnits, kUnits),
+      value_(arena, kUnits, kUnits),
+      output_(arena, kUnits, kUnits),
+      joined_output_(arena, kEgo + kUnits, Stae::kFeatures) {
+  present_.reserve(static_cast<size_t>(spec.vehicles));
+  const size_t rows = nn::RoundUp(static_cast<size_t>(1 + spec.vehicles), kRows);
+  joined_input_ = arena.Allocate(rows * kPadded);
+  gates_ = arena.Allocate(rows * kGates);
+  cell_ = arena.Allocate(rows * kPadded);
+  cell_tanh_ = arena.Allocate(kPadded);
+  hidden_ = arena.Allocate(rows * kPadded);
+  for (float*& row : row_) row = arena.Allocate(kPadded);
+  joined_ = arena.Allocate(kEgo + kUnits);
+}
+
+void ActingStae::Pack(const Stae& stae, const float* parameters) {
+  for (int gate = 0; gate < 4; ++gate) {
+    for (int j = 0; j < kUnits; ++j) {
+      const int from = gate * kUnits + j;
+      const int to = gate * kPadded + j;
+      for (int k = 0; k < kUnits; ++k) {
+        recurrent_[k * kGates + to] =
+            parameters[stae.lstm.weight_hh + static_cast<size_t>(from * kUnits + k)];
+      }
+      for (int k = 0; k < kInputs; ++k) {
+        recurrent_[(kUnits + k) * kGates + to] =
+            parameters[stae.lstm.weight_ih + static_cast<size_t>(from * kInputs + k)];
+      }
+      gate_bias_[to] = parameters[stae.lstm.bias + static_cast<size_t>(from)];
+    }
+  }
+  const nn::Attention& attention = stae.attention;
+  query_.Pack(parameters + attention.query.weight, parameters + attention.query.bias);
+  key_.PackTransposed(parameters + attention.key.weight);
+  value_.Pack(parameters + attention.value.weight, nullptr);
+  output_.Pack(parameters + attention.output.weight, parameters + attention.output.bias);
+  joined_output_.Pack(parameters + stae.output.weight, parameters + stae.output.bias);
+  std::memcpy(key_bias_, parameters + attention.key.bias, kUnits * sizeof(float));
+  std::memcpy(value_bias_, parameters + attention.value.bias, kUnits * sizeof(float));
+}
+
+void ActingStae::Forward(const nn::LaneKernels& kernels, const Observation& observation, float* features,
+                         std::vector<float>& attention) {
+  Encode(kernels, observation);
+  Attend(kernels, attention);
+  std::memcpy(joined_, observation.ego.data() + (spec_.history - 1) * kEgo, kEgo * sizeof(float));
+  joined_output_.Apply(kernels, joined_, features, true);
+}
+
+// hidden_ [sequences][64]: the last states of the ego and of the present vehicles.
+void ActingStae::Encode(const nn::LaneKernels& kernels, const Observation& observation) {
+  const int vehicle = spec_.history * kInputs;
+  present_.clear();
+  for (int v = 0; v < spec_.vehicles; ++v) {
+    const float absent = observation.vehicles[static_cast<size_t>((v + 1) * vehicle - kInputs)];
+    if (!(absent > 0.5f)) present_.push_back(v);
+  }
+  sequences_ = 1 + static_cast<int>(present_.size());
+  const int rows = static_cast<int>(nn::RoundUp(static_cast<size_t>(sequences_), kRows));
+  for (int t = 0; t < spec_.history; ++t) {
+    for (int s = 0; s < rows; ++s) {
+      std::memcpy(gates_ + s * kGates, gate_bias_, kGates * sizeof(float));
+      if (s >= sequences_) continue;
+      const float* input =
+          s == 0 ? observation.ego.data() + t * kEgo
+                 : observation.vehicles.data() + present_[static_cast<size_t>(s - 1)] * vehicle + t * kInputs;
+      float* joined = joined_input_ + s * kPadded;
+      if (t > 0) std::memcpy(joined, hidden_ + s * kPadded, kUnits * sizeof(float));
+      std::memcpy(joined + kUnits, input, kInputs * sizeof(float));
+    }
+    const int skip = t == 0 ? kUnits : 0;  // the state starts at zero
+    kernels.multiply({.rows = rows,
+                      .blocks = kGates / kLanes,
+                      .depth = kUnits + kInputs - skip,
+                      .a = joined_input_ + skip,
+                      .a_row = kPadded,
+                      .a_depth = 1,
+                      .b = recurrent_ + ptrdiff_t{skip} * kGates,
+                      .b_block = kLanes,
+                      .b_depth = kGates,
+                      .c = gates_,
+                      .c_block = kLanes,
+                      .c_row = kGates,
+                      .accumulate = true});
+    for (int s = 0; s < sequences_; ++s) {
+      kernels.lstm_forward({.units = kPadded / kLanes,
+                            .gates = gates_ + s * kGates,
+                            .previous_cell = t == 0 ? nullptr : cell_ + s * kPadded,
+                            .cell = cell_ + s * kPadded,
+                            .cell_tanh = cell_tanh_,
+                            .hidden = hidden_ + s * kPadded});
+    }
+  }
+}
+
+// joined_'s last 56: the normalised sum of the ego's state and what it attends to.
+void ActingStae::Attend(const nn::LaneKernels& kernels, std::vector<float>& attention) {
+  float* query = row_[0];
+  float* folded = row_[1];
+  float* context = row_[2];
+  float* value = row_[3];
+  std::fill(attention.begin(), attention.end(), 0.0f);
+  query_.Apply(kernels, hidden_, query, false);
+  key_.Apply(kernels, query, folded, false);
+  const float bias = Dot(query, key_bias_);
+  const float scale = 1.0f / std::sqrt(static_cast<float>(kUnits));
+  float highest = 0.0f;  // the zero slot's score
+  for (size_t i = 0; i < present_.size(); ++i) {
+    float& score = attention[static_cast<size_t>(present_[i])];
+    score = (Dot(folded, hidden_ + (i + 1) * kPadded) + bias) * scale;
+    highest = std::max(highest, score);
+  }
+  float sum = std::exp(-highest);
+  for (const int v : present_) {
+    float& weight = attention[static_cast<size_t>(v)];
+    weight = std::exp(weight - highest);
+    sum += weight;
+  }
+  float total = 0.0f;
+  std::fill(context, context + kPadded, 0.0f);
+  for (size_t i = 0; i < present_.size(); ++i) {
+    float& weight = attention[static_cast<size_t>(present_[i])];
+    weight /= sum;
+    total += weight;
+    for (int j = 0; j < kUnits; ++j)
+      context[j] += weight * hidden_[(i + 1) * kPadded + static_cast<size_t>(j)];
+  }
+  value_.Apply(kernels, context, value, false);
+  for (int j = 0; j < kUnits; ++j) value[j] += total * value_bias_[j];
+  output_.Apply(kernels, value, context, false);
+  for (int j = 0; j < kUnits; ++j) context[j] += hidden_[j];
+  LayerNorm(context, joined_ + kEgo);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,67 @@
+#include "common/model/encoder.h"
+
+#include <cstring>
+
+namespace dadrl {
+
+using nn::kLanes;
+
+Encoder Encoder::Add(nn::ParamLayout& layout, const std::string& prefix, const ObservationSpec& spec,
+                     const ModelConfig& model) {
+  Encoder encoder;
+  encoder.spec = spec;
+  if (model.stae) encoder.stae = Stae::Add(layout, prefix + ".stae", spec);
+  if (model.context) encoder.context = ContextEncoder::Add(layout, prefix + ".context");
+  return encoder;
+}
+
+EncoderActivations::EncoderActivations(nn::Arena& arena, const Encoder& encoder, int blocks, bool keep) {
+  if (encoder.stae) stae = StaeActivations(arena, *encoder.stae, blocks, keep);
+  if (encoder.context) context = ContextActivations(arena, blocks, keep);
+}
+
+EncoderScratch::EncoderScratch(nn::Arena& arena, const Encoder& encoder, int blocks) {
+  if (encoder.stae) stae = StaeScratch(arena, *encoder.stae, blocks);
+  if (encoder.context) context = ContextScratch(arena, blocks);
+}
+
+void EncoderForward(const nn::LaneKernels& kernels, const Encoder& encoder, const float* parameters,
+                    const LaneObservations& observations, const EncoderActivations& activations,
+                    nn::LaneSpan features) {
+  if (encoder.stae) {
+    StaeForward(kernels, *encoder.stae, parameters, observations, activations.stae, features);
+  } else {
+    const ptrdiff_t ego = EgoBlock(encoder.spec);
+    const ptrdiff_t sequence = SequenceFloats(encoder.spec);
+    for (int b = 0; b < observations.blocks; ++b) {
+      const float* vehicles = observations.sequences + ((1 + encoder.spec.vehicles) * b + 1) * sequence;
+      std::memcpy(features.block(b), observations.ego + b * ego, static_cast<size_t>(ego) * sizeof(float));
+      std::memcpy(features.block(b) + ego, vehicles,
+                  static_cast<size_t>(encoder.spec.vehicles * sequence) * sizeof(float));
+    }
+  }
+  if (encoder.context) {
+    ContextForward(kernels, *encoder.context, parameters, observations, activations.context,
+                   features.From(encoder.vehicle_features()));
+  }
+}
+
+void EncoderBackward(const nn::LaneKernels& kernels, const Encoder& encoder, const float* parameters,
+                     float* gradients, const LaneObservations& observations,
+                     const EncoderActivations& activations, nn::LaneSpan features,
+                     nn::LaneSpan feature_gradient, const EncoderScratch& scratch) {
+  for (int b = 0; b < observations.blocks; ++b) {
+    kernels.relu_backward(features.block(b), feature_gradient.block(b),
+                          static_cast<size_t>(encoder.features()) * kLanes);
+  }
+  if (encoder.stae) {
+    StaeBackward(kernels, *encoder.stae, parameters, gradients, observations, activations.stae,
+                 feature_gradient, scratch.stae);
+  }
+  if (encoder.context) {
+    ContextBackward(kernels, *encoder.context, parameters, gradients, observations, activations.context,
+                    feature_gradient.From(encoder.vehicle_features()), scratch.context);
+  }
+}
+
+}  // namespace dadrl

@@ -1,0 +1,44 @@
+#include "common/model/lane_observations.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace dadrl {
+
+using nn::kLanes;
+
+LaneObservations::LaneObservations(nn::Arena& arena, const ObservationSpec& observation_spec, int block_count)
+    : spec(observation_spec), blocks(block_count) {
+  const auto count = static_cast<size_t>(blocks);
+  ego = arena.Allocate(count * static_cast<size_t>(EgoBlock(spec)));
+  sequences = arena.Allocate(count * static_cast<size_t>((1 + spec.vehicles) * SequenceFloats(spec)));
+  ego_now = {ego + ptrdiff_t{spec.history - 1} * ObservationSpec::kEgoFeatures * kLanes, EgoBlock(spec)};
+  absent = nn::Contiguous(arena.Allocate(count * static_cast<size_t>(spec.vehicles) * kLanes), spec.vehicles);
+}
+
+void LaneObservations::Pack(const nn::LaneKernels& kernels, const ObservationBatch& batch,
+                            const uint8_t* context, int first_block) {
+  context_planes = context;
+  const ptrdiff_t sequence = SequenceFloats(spec);
+  for (int b = 0; b < blocks; ++b) {
+    const int first = (first_block + b) * kLanes;
+    const int count = std::clamp(batch.size - first, 0, kLanes);
+    float* block_ego = ego + b * EgoBlock(spec);
+    kernels.to_lanes(batch.ego.data() + ptrdiff_t{first} * spec.ego_floats(), spec.ego_floats(), count,
+                     spec.ego_floats(), block_ego);
+    float* block = sequences + b * (1 + spec.vehicles) * sequence;
+    constexpr size_t kRow = size_t{ObservationSpec::kVehicleFeatures} * kLanes;
+    for (int t = 0; t < spec.history; ++t) {
+      std::memcpy(block + static_cast<size_t>(t) * kRow,
+                  block_ego + ptrdiff_t{t} * ObservationSpec::kEgoFeatures * kLanes, kRow * sizeof(float));
+    }
+    kernels.to_lanes(batch.vehicles.data() + ptrdiff_t{first} * spec.vehicle_floats(), spec.vehicle_floats(),
+                     count, spec.vehicle_floats(), block + sequence);
+    for (int v = 0; v < spec.vehicles; ++v) {
+      const float* newest = block + (v + 2) * sequence - kRow;
+      std::memcpy(absent.block(b) + ptrdiff_t{v} * kLanes, newest, kLanes * sizeof(float));
+    }
+  }
+}
+
+}  // namespace dadrl

@@ -1,0 +1,21 @@
+#include "common/model/networks.h"
+
+namespace dadrl {
+
+PolicyNetwork::PolicyNetwork(const ObservationSpec& spec, const ModelConfig& model)
+    : encoder(Encoder::Add(layout, "encoder", spec, model)) {
+  encoder_range = {0, layout.size()};
+  head = Mlp::Add(layout, "policy", encoder.features(), model.hidden, 2 * kActionSize, false);
+  head_range = {encoder_range.count, layout.size() - encoder_range.count};
+}
+
+CriticNetwork::CriticNetwork(const ObservationSpec& spec, const ModelConfig& model)
+    : encoder(Encoder::Add(layout, "encoder", spec, model)) {
+  encoder_range = {0, layout.size()};
+  const int inputs = encoder.features() + kActionSize;
+  critic1 = Mlp::Add(layout, "critic1", inputs, model.hidden, 1, model.critic_layer_norm);
+  critic2 = Mlp::Add(layout, "critic2", inputs, model.hidden, 1, model.critic_layer_norm);
+  head_range = {encoder_range.count, layout.size() - encoder_range.count};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,34 @@
+// The two networks of the system and their flat parameter layouts.
+#pragma once
+
+#include "common/model/encoder.h"
+#include "common/model/mlp.h"
+#include "common/nn/adam.h"
+
+namespace dadrl {
+
+// Observation to the policy's mean and log standard deviation. Actors run it, broadcasts and policy files
+// hold its parameters: "encoder.*", then "policy.*".
+struct PolicyNetwork {
+  PolicyNetwork(const ObservationSpec& spec, const ModelConfig& model);
+
+  nn::ParamLayout layout;
+  Encoder encoder;
+  Mlp head;  // features -> [mean 2, log_std 2]
+  nn::Range encoder_range;
+  nn::Range head_range;
+};
+
+// Observation and action to two values: "encoder.*", "critic1.*", "critic2.*". Targets have the same layout.
+struct CriticNetwork {
+  CriticNetwork(const ObservationSpec& spec, const ModelConfig& model);
+
+  nn::ParamLayout layout;
+  Encoder encoder;
+  Mlp critic1;  // [features, action 2] -> 1
+  Mlp critic2;
+  nn::Range encoder_range;
+  nn::Range head_range;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,196 @@
+#include "learner/algorithms/sac.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "learner/algorithms/sac_losses.h"
+
+namespace dadrl {
+
+using nn::kLanes;
+
+namespace {
+
+int Blocks(int samples) { return (samples + kLanes - 1) / kLanes; }
+
+std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& policy,
+                                         const CriticNetwork& critic, const ObservationSpec& spec, int blocks,
+                                         int threads) {
+  const int share = (blocks + threads - 1) / threads;
+  nn::Arena measure;
+  SacWorkspace(measure, policy, critic, spec, share);
+  arena = nn::Arena(measure.used() * static_cast<size_t>(threads));
+  std::vector<SacWorkspace> workspaces;
+  for (int i = 0; i < threads; ++i) workspaces.emplace_back(arena, policy, critic, spec, share);
+  return workspaces;
+}
+
+}  // namespace
+
+Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
+    : config_(config),
+      spec_(ObservationSpec::From(config.observation)),
+      policy_(spec_, config.model),
+      critic_(spec_, config.model),
+      kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+      limits_{config.model.log_std_min, config.model.log_std_max},
+      policy_parameters_(policy_.layout.size()),
+      average_parameters_(policy_.layout.size()),
+      critic_parameters_(critic_.layout.size()),
+      target_parameters_(critic_.layout.size()),
+      policy_moments_(policy_.layout.size()),
+      critic_moments_(critic_.layout.size()),
+      log_alpha_{.value = std::log(config.algorithm.initial_temperature)},
+      noise_source_(noise ? std::move(noise) : std::make_unique<GaussianNoise>(DeriveSeed(config.seed, 3))),
+      workspaces_(MakeWorkspaces(arena_, policy_, critic_, spec_, Blocks(config.algorithm.batch_size),
+                                 config.learner.threads)),
+      team_(config.learner.threads) {
+  policy_.layout.Initialize(DeriveSeed(config.seed, 1), policy_parameters_.span());
+  critic_.layout.Initialize(DeriveSeed(config.seed, 2), critic_parameters_.span());
+  if (shared()) {
+    std::copy_n(critic_parameters_.data(), policy_.encoder_range.count, policy_parameters_.data());
+  }
+  std::ranges::copy(policy_parameters_.span(), average_parameters_.data());
+  std::ranges::copy(critic_parameters_.span(), target_parameters_.data());
+  const auto batch_size = static_cast<size_t>(config.algorithm.batch_size);
+  next_noise_.resize(batch_size * kActionSize);
+  now_noise_.resize(batch_size * kActionSize);
+  td_error_.resize(batch_size);
+  const size_t context = nn::RoundUp(batch_size, kLanes) * ObservationSpec::kContextBytes;
+  padded_now_.resize(context);
+  padded_next_.resize(context);
+  for (SacWorkspace& workspace : workspaces_) {
+    policy_gradients_.push_back(workspace.policy_gradient);
+    critic_gradients_.push_back(workspace.critic_gradient);
+  }
+}
+
+std::span<const float> Sac::published_policy() const {
+  return config_.learner.publish == PublishedPolicy::kAveraged ? average_parameters_.span()
+                                                               : policy_parameters_.span();
+}
+
+std::vector<StateBlock> Sac::state() {
+  return {{"policy", policy_parameters_.bytes()},
+          {"policy_average", average_parameters_.bytes()},
+          {"critic", critic_parameters_.bytes()},
+          {"target", target_parameters_.bytes()},
+          {"policy.adam_first", policy_moments_.first.bytes()},
+          {"policy.adam_second", policy_moments_.second.bytes()},
+          {"critic.adam_first", critic_moments_.first.bytes()},
+          {"critic.adam_second", critic_moments_.second.bytes()},
+          {"temperature", std::as_writable_bytes(std::span(&log_alpha_, 1))},
+          {"updates", std::as_writable_bytes(std::span(&updates_, 1))},
+          {"random", noise_source_->state()}};
+}
+
+Status Sac::CheckBatch(const TransitionBatch& batch) const {
+  const auto size = static_cast<size_t>(std::max(batch.size, 0));
+  if (batch.size < 1 || batch.size > config_.algorithm.batch_size) {
+    return Fail(ErrorCode::kInvalidArgument, "batch of {} transitions: algorithm.batch_size allows 1 to {}",
+                batch.size, config_.algorithm.batch_size);
+  }
+  const auto vehicles = size * static_cast<size_t>(spec_.vehicle_floats());
+  const auto ego = size * static_cast<size_t>(spec_.ego_floats());
+  const auto context = size * size_t{ObservationSpec::kContextBytes};
+  for (const ObservationBatch* observation : {&batch.observation, &batch.next_observation}) {
+    if (observation->vehicles.size() != vehicles || observation->ego.size() != ego ||
+        observation->context.size() != context) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  "batch's observations do not fit observation.vehicles {} and observation.history {}",
+                  spec_.vehicles, spec_.history);
+    }
+  }
+  const std::pair<const char*, const std::vector<float>*> tensors[] = {
+      {"observation.vehicles", &batch.observation.vehicles},
+      {"observation.ego", &batch.observation.ego},
+      {"next_observation.vehicles", &batch.next_observation.vehicles},
+      {"next_observation.ego", &batch.next_observation.ego},
+      {"action", &batch.action},
+      {"reward", &batch.reward},
+      {"discount", &batch.discount},
+      {"weight", &batch.weight}};
+  for (const auto& [name, values] : tensors) {
+    if (!nn::AllFinite(*values)) {
+      return Fail(ErrorCode::kInternal, "batch tensor {} has a value that is not finite", name);
+    }
+  }
+  return {};
+}
+
+const uint8_t* Sac::WholeBlocks(const ObservationBatch& observations, std::vector<uint8_t>& padded) const {
+  if (observations.size % kLanes == 0) return observations.context.data();
+  std::ranges::fill(std::ranges::copy(observations.context, padded.begin()).out, padded.end(), uint8_t{0});
+  return padded.data();
+}
+
+Result<UpdateStats> Sac::Update(const TransitionBatch& batch) {
+  td_error_count_ = 0;
+  DADRL_RETURN_IF_ERROR(CheckBatch(batch));
+  const size_t draws = static_cast<size_t>(batch.size) * kActionSize;
+  noise_source_->Fill(std::span(next_noise_).first(draws));
+  noise_source_->Fill(std::span(now_noise_).first(draws));
+  now_context_ = WholeBlocks(batch.observation, padded_now_);
+  next_context_ = WholeBlocks(batch.next_observation, padded_next_);
+  alpha_ = std::exp(log_alpha_.value);
+  auto work = [&](int member) { UpdateShare(batch, member); };
+  team_.Run(work);
+  td_error_count_ = static_cast<size_t>(batch.size);
+  return Finish(batch.size);
+}
+
+SacSums Sac::TotalSums() const {
+  SacSums total;
+  for (const SacWorkspace& workspace : workspaces_) {
+    total.weighted_squares1 += workspace.sums.weighted_squares1;
+    total.weighted_squares2 += workspace.sums.weighted_squares2;
+    total.q += workspace.sums.q;
+    total.target += workspace.sums.target;
+    total.actor += workspace.sums.actor;
+    total.log_probability += workspace.sums.log_probability;
+  }
+  return total;
+}
+
+bool Sac::AllStepsFinite() const {
+  return std::ranges::all_of(workspaces_, [](const SacWorkspace& workspace) { return workspace.finite; });
+}
+
+Result<UpdateStats> Sac::Finish(int batch_size) {
+  const double scale = 1.0 / batch_size;
+  const SacSums sums = TotalSums();
+  UpdateStats stats;
+  stats.critic_loss = scale * (sums.weighted_squares1 + sums.weighted_squares2);
+  stats.actor_loss = scale * sums.actor;
+  stats.entropy = -scale * sums.log_probability;
+  stats.mean_q = scale * sums.q;
+  stats.mean_target = scale * sums.target;
+  if (!std::isfinite(stats.critic_loss)) {
+    return Fail(ErrorCode::kInternal, "critic loss is not finite ({}) in update {}", stats.critic_loss,
+                updates_ + 1);
+  }
+  if (!std::isfinite(stats.actor_loss)) {
+    return Fail(ErrorCode::kInternal, "actor loss is not finite ({}) in update {}", stats.actor_loss,
+                updates_ + 1);
+  }
+  if (!AllStepsFinite()) {
+    const std::string_view policy = policy_.layout.FirstNonFinite(policy_parameters_.span());
+    const std::string_view critic = critic_.layout.FirstNonFinite(critic_parameters_.span());
+    return Fail(ErrorCode::kInternal, "parameter {} {} is not finite after update {}",
+                policy.empty() ? "critic" : "policy", policy.empty() ? critic : policy, updates_ + 1);
+  }
+  const double gap = config_.algorithm.target_entropy - stats.entropy;  // mean of log pi + target entropy
+  stats.temperature_loss = -log_alpha_.value * gap;
+  ++updates_;
+  nn::ApplyAdam({.learning_rate = config_.algorithm.temperature_learning_rate,
+                 .epsilon = config_.algorithm.adam_epsilon},
+                -gap, updates_, log_alpha_);
+  stats.temperature = std::exp(log_alpha_.value);
+  if (!std::isfinite(stats.temperature)) {
+    return Fail(ErrorCode::kInternal, "temperature is not finite after update {}", updates_);
+  }
+  return stats;
+}
+
+}  // namespace dadrl

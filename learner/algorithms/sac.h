@@ -1,0 +1,98 @@
+// Soft actor-critic with twin critics and a learned temperature (Haarnoja et al. 2018), in hand-written
+// passes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/nn/thread_team.h"
+#include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/noise_source.h"
+#include "learner/algorithms/sac_workspace.h"
+
+namespace dadrl {
+
+// One update: critics towards the soft n-step target, then the actor against the new critics, then the
+// temperature towards the target entropy; the target network's Polyak step rides on the critics' optimiser
+// pass.
+//
+// model.encoders: `separate`: actor, critics and target own an encoder each (paper, Stable-Baselines3); the
+// actor's is trained by the actor loss, in which the critics' features carry no gradient. `shared`: one
+// encoder, trained by the critic loss alone; the actor's copy follows it, and the actor loss uses the critic
+// pass's features, detached.
+//
+// The batch is split over learner.threads in blocks of sixteen; each thread has its own gradients, which are
+// summed in thread order, so results are reproducible for a thread count and differ in rounding between
+// counts. All memory is taken by the constructor.
+class Sac final : public Algorithm {
+ public:
+  // Draws its noise from `noise`, or from a generator seeded by config.seed if null.
+  explicit Sac(const Config& config, std::unique_ptr<NoiseSource> noise = nullptr);
+
+  // Batches of up to algorithm.batch_size transitions; kInvalidArgument beyond, or with other shapes.
+  Result<UpdateStats> Update(const TransitionBatch& batch) override;
+  std::span<const float> td_error() const override { return {td_error_.data(), td_error_count_}; }
+  std::span<const float> published_policy() const override;
+  uint64_t layout_hash() const override { return policy_.layout.hash(); }
+  std::vector<StateBlock> state() override;
+
+  const PolicyNetwork& policy() const { return policy_; }
+  const CriticNetwork& critic() const { return critic_; }
+
+ private:
+  // The four parts of an update, on one thread's share.
+  void PackShare(const TransitionBatch& batch, SacWorkspace& workspace, int member);
+  void TargetPass(const TransitionBatch& batch, SacWorkspace& workspace);
+  void CriticPass(const TransitionBatch& batch, SacWorkspace& workspace);
+  void ActorPass(const TransitionBatch& batch, SacWorkspace& workspace);
+
+  // Everything one thread does in an update; all return together.
+  void UpdateShare(const TransitionBatch& batch, int member);
+  void StepCritic(int member);
+  void StepPolicy(int member);
+  SacSums TotalSums() const;
+  bool AllStepsFinite() const;
+
+  Status CheckBatch(const TransitionBatch& batch) const;
+  const uint8_t* WholeBlocks(const ObservationBatch& observations, std::vector<uint8_t>& padded) const;
+  Result<UpdateStats> Finish(int batch_size);
+
+  bool shared() const { return config_.model.encoders == EncoderSharing::kShared; }
+
+  Config config_;
+  ObservationSpec spec_;
+  PolicyNetwork policy_;
+  CriticNetwork critic_;
+  const nn::LaneKernels& kernels_;
+  nn::GaussianLimits limits_;
+
+  nn::FloatBuffer policy_parameters_;
+  nn::FloatBuffer average_parameters_;
+  nn::FloatBuffer critic_parameters_;
+  nn::FloatBuffer target_parameters_;
+  nn::AdamMoments policy_moments_;
+  nn::AdamMoments critic_moments_;
+  nn::ScalarAdam log_alpha_;
+  uint64_t updates_ = 0;
+  std::unique_ptr<NoiseSource> noise_source_;
+
+  // Of the running update.
+  double alpha_ = 0.0;
+  std::vector<float> next_noise_;  // [batch, 2]
+  std::vector<float> now_noise_;   // [batch, 2]
+  std::vector<float> td_error_;
+  size_t td_error_count_ = 0;
+  std::vector<uint8_t> padded_now_;  // context planes of a batch that is no multiple of sixteen
+  std::vector<uint8_t> padded_next_;
+  const uint8_t* now_context_ = nullptr;
+  const uint8_t* next_context_ = nullptr;
+
+  nn::Arena arena_;
+  std::vector<SacWorkspace> workspaces_;  // one a thread
+  std::vector<float*> policy_gradients_;  // theirs
+  std::vector<float*> critic_gradients_;
+  nn::ThreadTeam team_;
+};
+
+}  // namespace dadrl
