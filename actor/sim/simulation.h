@@ -59,7 +59,7 @@ class Simulation {
 
  private:
   class Impl;
-  explicit Simulation(std::unique_ptr<Impl> impl);
+  Simulation();
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,118 @@
+#include "actor/sim/traffic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <utility>
+
+#include "actor/sim/world_state.h"
+
+namespace dadrl {
+namespace {
+
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+// A later value of the same name replaces the earlier.
+void Set(Attributes& attributes, const std::string& name, std::string value) {
+  const auto found = std::find_if(attributes.begin(), attributes.end(),
+                                  [&](const auto& attribute) { return attribute.first == name; });
+  if (found == attributes.end()) {
+    attributes.emplace_back(name, std::move(value));
+  } else {
+    found->second = std::move(value);
+  }
+}
+
+void AppendType(std::string& xml, int index, const DriverType& type, const ProfileSettings& profile) {
+  Attributes attributes{{"vClass", "passenger"}, {"length", "5"},      {"width", "1.8"},   {"accel", "2.6"},
+                        {"decel", "4.5"},        {"maxSpeed", "55.5"}, {"speedDev", "0.1"}};
+  Set(attributes, "speedFactor", fmt::format("{}", type.speed_factor));
+  Set(attributes, "sigma", fmt::format("{}", type.imperfection));
+  Set(attributes, "minGap", fmt::format("{}", type.min_gap_m));
+  Set(attributes, "lcSpeedGain", fmt::format("{}", type.lane_change_speed_gain));
+  Set(attributes, "lcImpatience", fmt::format("{}", type.lane_change_impatience));
+  Set(attributes, "lcCooperative", fmt::format("{}", type.lane_change_cooperative));
+  Set(attributes, "jmIgnoreFoeProb", fmt::format("{}", type.ignore_standing_foe));
+  Set(attributes, "impatience", fmt::format("{}", type.impatience));
+  for (const auto& [name, value] : profile.driver_attributes) Set(attributes, name, value);
+  fmt::format_to(std::back_inserter(xml), R"(<vType id="{}")", TypeId(index));
+  for (const auto& [name, value] : attributes) {
+    fmt::format_to(std::back_inserter(xml), R"( {}="{}")", name, value);
+  }
+  xml += "/>\n";
+}
+
+void AppendEgo(std::string& xml, const EgoTraffic& ego) {
+  // A driven ego brakes and keeps distance as the paper's simulator declares it to the traffic; SUMO's own
+  // driver keeps SUMO's defaults.
+  const std::string driver =
+      ego.sumo_drives ? fmt::format(R"(maxSpeed="{}" impatience="{}")", ego.max_speed_mps, ego.impatience)
+                      : std::string(R"(decel="6" tau="4")");
+  fmt::format_to(std::back_inserter(xml),
+                 R"(<vType id="{0}" vClass="passenger" length="{1}" width="{2}" {3}/>)"
+                 "\n"
+                 R"(<route id="{0}" edges="{4}"/>)"
+                 "\n",
+                 kEgoId, kVehicleLength, kVehicleWidth, driver, fmt::join(ego.edges, " "));
+}
+
+}  // namespace
+
+std::string SocialId(int vehicle) { return fmt::format("v{}", vehicle); }
+std::string FlowId(int flow) { return fmt::format("f{}", flow); }
+std::string TypeId(int type) { return fmt::format("t{}", type); }
+
+int SocialIndex(const std::string& id) {
+  int index = -1;
+  if (id.size() < 2 || id[0] != 'v') return -1;
+  const auto [end, error] = std::from_chars(id.data() + 1, id.data() + id.size(), index);
+  return error == std::errc() && end == id.data() + id.size() ? index : -1;
+}
+
+std::vector<DriverType> DrawDriverTypes(int count, Random& random) {
+  std::vector<DriverType> types(static_cast<size_t>(count));
+  for (DriverType& type : types) {
+    type.speed_factor = random.Uniform(0.6, 1.0);
+    type.min_gap_m = std::max(0.0, random.Uniform(2.0, 4.0) + 0.1 * random.Normal());
+    type.imperfection = std::clamp(random.Uniform(0.3, 0.7) + 0.1 * random.Normal(), 0.0, 1.0);
+    type.lane_change_speed_gain = random.Uniform(1.0, 2.0);
+    type.lane_change_impatience = random.Uniform();
+    type.lane_change_cooperative = random.Uniform();
+    type.ignore_standing_foe = random.Uniform();
+    type.impatience = random.Uniform();
+  }
+  return types;
+}
+
+std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,
+                       const std::vector<DriverType>& types, const std::vector<double>& lane_end_m,
+                       const EgoTraffic& ego) {
+  std::string xml = "<routes>\n";
+  for (size_t type = 0; type < types.size(); ++type) {
+    AppendType(xml, static_cast<int>(type), types[type], profile);
+  }
+  AppendEgo(xml, ego);
+  for (size_t flow = 0; flow < scenario.flows.size(); ++flow) {
+    fmt::format_to(std::back_inserter(xml), "<route id=\"{}\" edges=\"{}\"/>\n",
+                   FlowId(static_cast<int>(flow)), fmt::join(scenario.flows[flow].edges, " "));
+  }
+  for (int vehicle = 0; vehicle < scenario.population(); ++vehicle) {
+    const int flow_index = vehicle / scenario.driver_types;
+    const TrafficFlow& flow = scenario.flows[static_cast<size_t>(flow_index)];
+    const std::string depart = flow.depart == FlowPosition::kRandom
+                                   ? std::string("random")
+                                   : fmt::format("{}", lane_end_m[static_cast<size_t>(flow_index)]);
+    fmt::format_to(std::back_inserter(xml),
+                   R"(<vehicle id="{}" type="{}" route="{}" depart="0" departLane="{}" departPos="{}" )"
+                   R"(departSpeed="max" arrivalLane="{}" arrivalPos="{}"/>)"
+                   "\n",
+                   SocialId(vehicle), TypeId(vehicle % scenario.driver_types), FlowId(flow_index),
+                   flow.depart_lane, depart, flow.arrival_lane,
+                   flow.arrival == FlowPosition::kRandom ? "random" : "max");
+  }
+  return xml + "</routes>\n";
+}
+
+}  // namespace dadrl
