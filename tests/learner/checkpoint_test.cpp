@@ -1,0 +1,133 @@
+#include "learner/checkpoint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/config/config_yaml.h"
+#include "common/io/atomic_file.h"
+#include "common/io/checksum.h"
+#include "common/io/read_file.h"
+#include "tests/common/io/temporary_directory.h"
+#include "tests/learner/fake_algorithm.h"
+
+namespace dadrl {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class CheckpointTest : public testing::Test {
+ protected:
+  Checkpoint Captured() {
+    Checkpoint checkpoint;
+    CaptureState(algorithm_, checkpoint);
+    checkpoint.updates = 12;
+    checkpoint.weights_version = 5;
+    checkpoint.trained_s = 61.5;
+    checkpoint.config_yaml = ToYaml(config_, false);
+    checkpoint.published_ns = {100, 200, 300};
+    return checkpoint;
+  }
+
+  TemporaryDirectory folder_;
+  const std::filesystem::path path_ = folder_.path() / "checkpoint-12.ckpt";
+  Config config_;
+  FakeAlgorithm algorithm_;
+};
+
+TEST_F(CheckpointTest, ReadsBackEverything) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  const auto loaded = LoadCheckpoint(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->updates, 12u);
+  EXPECT_EQ(loaded->weights_version, 5u);
+  EXPECT_EQ(loaded->trained_s, 61.5);
+  EXPECT_EQ(loaded->layout_hash, algorithm_.layout_hash());
+  EXPECT_EQ(loaded->config_yaml, ToYaml(config_, false));
+  EXPECT_THAT(loaded->published_ns, testing::ElementsAre(100, 200, 300));
+  EXPECT_THAT(loaded->policy, testing::ElementsAreArray(algorithm_.published_policy()));
+  FakeAlgorithm other(200, 99);
+  ASSERT_TRUE(RestoreState(*loaded, path_, other));
+  EXPECT_EQ(StateOf(other), StateOf(algorithm_));
+}
+
+TEST_F(CheckpointTest, DamageAtAnyOffsetIsNoticed) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  const std::vector<std::byte> good = ReadFile(path_, 1 << 24).value();
+  // Every byte of the head, then a sample of the rest down to the last.
+  for (size_t i = 0; i < good.size(); i += i < 64 ? 1 : 37) {
+    std::vector<std::byte> bad = good;
+    bad[i] ^= std::byte{0x10};
+    ASSERT_TRUE(WriteFileAtomically(path_, bad));
+    const auto loaded = LoadCheckpoint(path_);
+    ASSERT_FALSE(loaded) << "byte " << i;
+    EXPECT_THAT(loaded.error().message, HasSubstr(path_.string()));
+  }
+}
+
+TEST_F(CheckpointTest, TruncationAtAnyLengthIsCorruptWithTheRemedy) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  const std::vector<std::byte> good = ReadFile(path_, 1 << 24).value();
+  for (size_t length = 0; length < good.size(); length += length < 64 ? 1 : 41) {
+    ASSERT_TRUE(WriteFileAtomically(path_, std::span(good).first(length)));
+    const auto loaded = LoadCheckpoint(path_);
+    ASSERT_FALSE(loaded) << length;
+    EXPECT_EQ(loaded.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(loaded.error().message,
+                AllOf(HasSubstr(path_.string()), HasSubstr("resume from the checkpoint")));
+  }
+}
+
+TEST_F(CheckpointTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
+  Checkpoint checkpoint = Captured();
+  ASSERT_TRUE(SaveCheckpoint(path_, checkpoint));
+  std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
+  const size_t publish_count_at = 24 + 8 + 4 + 8 + 8 + 4 + checkpoint.config_yaml.size();
+  for (size_t i = 0; i < 8; ++i) bytes[publish_count_at + i] = std::byte{0xFF};
+  const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+  std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
+  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  EXPECT_THAT(LoadCheckpoint(path_).error().message, HasSubstr("contents"));
+}
+
+TEST_F(CheckpointTest, AnotherFormatIsRefusedWithBothNumbers) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
+  bytes[8] = std::byte{2};
+  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  EXPECT_EQ(LoadCheckpoint(path_).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(LoadCheckpoint(path_).error().message, AllOf(HasSubstr("format 2"), HasSubstr("format 1")));
+}
+
+TEST_F(CheckpointTest, StateOfOtherSizeLeavesTheAlgorithmUntouched) {
+  FakeAlgorithm larger(300);
+  const std::vector<std::byte> before = StateOf(larger);
+  const Status restored = RestoreState(Captured(), path_, larger);
+  ASSERT_FALSE(restored);
+  EXPECT_THAT(restored.error().message, AllOf(HasSubstr("'policy' of 800 bytes"), HasSubstr("of 1200")));
+  EXPECT_EQ(StateOf(larger), before);
+}
+
+TEST_F(CheckpointTest, OtherNetworksAreRefusedByKeyAndBothValues) {
+  Config other = config_;
+  other.model.hidden = 128;
+  other.observation.vehicles = 9;
+  other.algorithm.gamma = 0.5;  // does not shape the networks
+  const Status same = CheckSameNetworks(config_, other, path_);
+  ASSERT_FALSE(same);
+  EXPECT_EQ(same.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(same.error().message,
+              AllOf(HasSubstr("model.hidden (there 256, now 128)"),
+                    HasSubstr("observation.vehicles (there 6, now 9)"), Not(HasSubstr("gamma"))));
+}
+
+TEST_F(CheckpointTest, OtherLearningRatesAndLimitsAreWelcome) {
+  Config other = config_;
+  other.algorithm.actor_learning_rate = 1e-5;
+  other.learner.max_updates = 10;
+  EXPECT_TRUE(CheckSameNetworks(config_, other, path_));
+}
+
+}  // namespace
+}  // namespace dadrl

@@ -1,0 +1,70 @@
+// A learning algorithm of a few numbers: its state depends on every batch, on the order of batches and on its
+// random generator, so that a resume that forgets anything shows in the bits.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/util/random.h"
+#include "learner/algorithms/algorithm.h"
+
+namespace dadrl {
+
+class FakeAlgorithm final : public Algorithm {
+ public:
+  explicit FakeAlgorithm(size_t parameters = 200, uint64_t seed = 3)
+      : policy_(parameters, 0.1f), moment_(parameters, 0.0f), random_(Random(seed).state()) {}
+
+  Result<UpdateStats> Update(const TransitionBatch& batch) override {
+    if (fail_at_ != 0 && updates_ + 1 == fail_at_) {
+      return Fail(ErrorCode::kInternal, "critic loss is not finite (nan) in update {}", fail_at_);
+    }
+    ++updates_;
+    Random random(random_);
+    double loss = 0.0;
+    for (size_t i = 0; i < policy_.size(); ++i) {
+      const size_t row = i % static_cast<size_t>(batch.size);
+      const float gradient = batch.reward[row] + 0.01f * static_cast<float>(random.Normal());
+      moment_[i] = 0.9f * moment_[i] + 0.1f * gradient;
+      policy_[i] += 0.001f * moment_[i] / (1.0f + static_cast<float>(updates_));
+      loss += gradient * gradient;
+    }
+    random_ = random.state();
+    td_error_.assign(static_cast<size_t>(batch.size), static_cast<float>(updates_));
+    return UpdateStats{.critic_loss = loss, .temperature = 0.05};
+  }
+  std::span<const float> td_error() const override { return td_error_; }
+  std::span<const float> published_policy() const override { return policy_; }
+  uint64_t layout_hash() const override { return 0xfa4e; }
+  std::vector<StateBlock> state() override {
+    return {{"policy", std::as_writable_bytes(std::span(policy_))},
+            {"moment", std::as_writable_bytes(std::span(moment_))},
+            {"updates", std::as_writable_bytes(std::span(&updates_, 1))},
+            {"random", std::as_writable_bytes(std::span(&random_, 1))}};
+  }
+
+  // The update of this number (counted from 1) fails as one with a NaN does.
+  void FailAt(uint64_t update) { fail_at_ = update; }
+  // A weight goes bad without the loss showing it.
+  void SpoilPolicy() { policy_[7] = std::nanf(""); }
+
+ private:
+  std::vector<float> policy_;
+  std::vector<float> moment_;
+  std::vector<float> td_error_;
+  uint64_t updates_ = 0;
+  Random::State random_;
+  uint64_t fail_at_ = 0;
+};
+
+inline std::vector<std::byte> StateOf(Algorithm& algorithm) {
+  std::vector<std::byte> bytes;
+  for (const StateBlock& block : algorithm.state()) {
+    bytes.insert(bytes.end(), block.bytes.begin(), block.bytes.end());
+  }
+  return bytes;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,178 @@
+#include "learner/training_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/io/byte_io.h"
+#include "common/io/crc32c.h"
+#include "common/io/read_file.h"
+#include "tests/common/io/temporary_directory.h"
+
+namespace dadrl {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr uint64_t kNoLimit = uint64_t{1} << 24;
+
+// An independent reader of event files: TFRecord framing and the few protobuf fields, by their numbers.
+struct Event {
+  double wall_time = 0.0;
+  int64_t step = 0;
+  std::string file_version;
+  std::map<std::string, float> scalars;
+};
+
+uint64_t GetVarint(ByteReader& reader) {
+  uint64_t value = 0;
+  for (int shift = 0; shift < 64; shift += 7) {
+    const auto byte = reader.Get<uint8_t>();
+    value |= static_cast<uint64_t>(byte & 0x7F) << shift;
+    if (byte < 0x80) break;
+  }
+  return value;
+}
+
+// Calls `visit(field, wire type, payload, number)` for each field.
+template <typename Visit>
+void ForEachField(std::span<const std::byte> message, Visit visit) {
+  ByteReader reader(message);
+  while (reader.remaining() > 0 && reader.ok()) {
+    const uint64_t key = GetVarint(reader);
+    switch (key & 7) {
+      case 0:
+        visit(key >> 3, std::span<const std::byte>(), static_cast<double>(GetVarint(reader)));
+        break;
+      case 1:
+        visit(key >> 3, std::span<const std::byte>(), reader.Get<double>());
+        break;
+      case 2:
+        visit(key >> 3, reader.GetBytes(GetVarint(reader)), 0.0);
+        break;
+      case 5:
+        visit(key >> 3, std::span<const std::byte>(), static_cast<double>(reader.Get<float>()));
+        break;
+      default:
+        FAIL() << "wire type " << (key & 7);
+    }
+  }
+  EXPECT_TRUE(reader.ok());
+}
+
+std::string Text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Event ParseEvent(std::span<const std::byte> bytes) {
+  Event event;
+  ForEachField(bytes, [&](uint64_t field, std::span<const std::byte> payload, double number) {
+    if (field == 1) event.wall_time = number;
+    if (field == 2) event.step = static_cast<int64_t>(number);
+    if (field == 3) event.file_version = Text(payload);
+    if (field != 5) return;
+    ForEachField(payload, [&](uint64_t, std::span<const std::byte> value, double) {
+      std::string tag;
+      float scalar = 0.0f;
+      ForEachField(value, [&](uint64_t inner, std::span<const std::byte> text, double simple) {
+        if (inner == 1) tag = Text(text);
+        if (inner == 2) scalar = static_cast<float>(simple);
+      });
+      event.scalars[tag] = scalar;
+    });
+  });
+  return event;
+}
+
+std::vector<Event> ReadEvents(const std::filesystem::path& path) {
+  const std::vector<std::byte> file = ReadFile(path, kNoLimit).value();
+  ByteReader reader(file);
+  std::vector<Event> events;
+  while (reader.remaining() > 0) {
+    const std::span<const std::byte> length_bytes = reader.GetBytes(8);
+    const auto length = ByteReader(length_bytes).Get<uint64_t>();
+    EXPECT_EQ(reader.Get<uint32_t>(), MaskedCrc32c(length_bytes));
+    const std::span<const std::byte> data = reader.GetBytes(length);
+    EXPECT_EQ(reader.Get<uint32_t>(), MaskedCrc32c(data));
+    if (!reader.ok()) break;
+    events.push_back(ParseEvent(data));
+  }
+  EXPECT_TRUE(reader.ok());
+  return events;
+}
+
+TEST(TensorBoardWriter, WritesRecordsThatAReaderOfTheFormatUnderstands) {
+  TemporaryDirectory folder;
+  auto writer = TensorBoardWriter::Create(folder.path() / "tensorboard");
+  ASSERT_TRUE(writer) << writer.error().message;
+  const std::vector<TaggedScalar> scalars = {
+      {"loss/critic", 0.25}, {"value/mean_q", -3.5}, {"broken", std::numeric_limits<double>::infinity()}};
+  ASSERT_TRUE(writer->Add(300, 1234.5, scalars));
+  ASSERT_TRUE(writer->Add(70000, 1235.5, {}));
+  const std::vector<Event> events = ReadEvents(writer->path());
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[0].file_version, "brain.Event:2");
+  EXPECT_EQ(events[1].step, 300);
+  EXPECT_EQ(events[1].wall_time, 1234.5);
+  EXPECT_EQ(events[1].scalars,
+            (std::map<std::string, float>{{"loss/critic", 0.25f}, {"value/mean_q", -3.5f}}));
+  EXPECT_EQ(events[2].step, 70000);
+}
+
+TEST(TensorBoardWriter, NameIsOneThatTensorBoardLooksFor) {
+  TemporaryDirectory folder;
+  const auto writer = TensorBoardWriter::Create(folder.path());
+  ASSERT_TRUE(writer);
+  EXPECT_THAT(writer->path().filename().string(), testing::StartsWith("events.out.tfevents."));
+}
+
+TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
+  TemporaryDirectory folder;
+  const auto path = folder.path() / "logs" / "table.csv";
+  ASSERT_TRUE(CsvLog::Open(path, {"a", "b"})->Append(std::vector{1.0, 2.5}));
+  std::ofstream(path, std::ios::app) << "3,";  // killed here
+  ASSERT_TRUE(
+      CsvLog::Open(path, {"a", "b"})->Append(std::vector{4.0, std::numeric_limits<double>::quiet_NaN()}));
+  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b\n1,2.5\n4,\n");
+}
+
+TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
+  TemporaryDirectory folder;
+  const auto path = folder.path() / "table.csv";
+  ASSERT_TRUE(CsvLog::Open(path, {"a"})->Append(std::vector{1.0}));
+  ASSERT_TRUE(CsvLog::Open(path, {"a", "b"}));
+  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b\n");
+  EXPECT_EQ(ReadTextFile(folder.path() / "table.csv.old", kNoLimit).value(), "a\n1\n");
+}
+
+TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
+  TemporaryDirectory folder;
+  auto log = TrainingLog::Open(folder.path());
+  ASSERT_TRUE(log) << log.error().message;
+  TrainingInterval interval;
+  interval.updates = 50;
+  interval.interval_updates = 25;
+  interval.mean.critic_loss = 0.125;
+  log->Add(interval, {.wall_time_s = 10.0, .interval_s = 0.5, .batch_bytes = 2e6, .replay_frames = 3000});
+  interval.interval_updates = 0;
+  log->Add(interval, {.wall_time_s = 10.5, .interval_s = 0.5});
+
+  const std::string table = ReadTextFile(folder.path() / "logs" / "training.csv", kNoLimit).value();
+  EXPECT_THAT(table, HasSubstr("wall_time_s,trained_s,updates,updates_per_s,critic_loss,"));
+  EXPECT_THAT(table, HasSubstr("\n10,0,50,50,0.125,"));
+  EXPECT_THAT(table, HasSubstr("\n10.5,0,50,0,,"));
+  const auto file = std::filesystem::directory_iterator(folder.path() / "tensorboard")->path();
+  const std::vector<Event> events = ReadEvents(file);
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[1].scalars.at("loss/critic"), 0.125f);
+  EXPECT_EQ(events[1].scalars.at("speed/batch_mb_per_s"), 4.0f);
+  EXPECT_FALSE(events[2].scalars.contains("loss/critic"));
+}
+
+}  // namespace
+}  // namespace dadrl
