@@ -11,12 +11,12 @@ namespace {
 
 // 16 registers.
 struct Tiles {
-  static constexpr simd::ForwardTiling kForward2 = {2, 6}, kForward3 = {2, 5}, kForward4 = {2, 5};
-  static constexpr simd::ForwardTiling kForward5 = {2, 2};
-  static constexpr simd::InputTiling kInput2 = {1, 2, 11}, kInput3 = {1, 2, 8}, kInput4 = {2, 2, 7};
-  static constexpr simd::InputTiling kInput5 = {2, 1, 5};
+  static constexpr simd::ForwardTiling kForward2 = {2, 5}, kForward3 = {2, 5}, kForward4 = {2, 5};
+  static constexpr simd::ForwardTiling kForward5 = {4, 1};
+  static constexpr simd::InputTiling kInput2 = {2, 2, 5}, kInput3 = {2, 2, 5}, kInput4 = {4, 2, 2};
+  static constexpr simd::InputTiling kInput5 = {4, 2, 2};
   static constexpr simd::ImageLaneTiling kWeight2 = {2, 1}, kWeight3 = {2, 4};
-  static constexpr simd::ChannelLaneTiling kWeight4 = {1, 2}, kWeight5 = {1, 4};
+  static constexpr simd::ChannelLaneTiling kWeight4 = {1, 2}, kWeight5 = {2, 2};
 };
 
 struct SingleTiles {

@@ -10,13 +10,13 @@
 namespace dadrl::nn::avx512 {
 namespace {
 
-// 32 registers.
+// 32 registers. Measured on Zen 5, like those of AVX2: within a tenth of the FMA peak.
 struct Tiles {
-  static constexpr simd::ForwardTiling kForward2 = {4, 6}, kForward3 = {4, 7}, kForward4 = {4, 5};
+  static constexpr simd::ForwardTiling kForward2 = {4, 5}, kForward3 = {4, 5}, kForward4 = {4, 5};
   static constexpr simd::ForwardTiling kForward5 = {4, 2};
-  static constexpr simd::InputTiling kInput2 = {2, 2, 11}, kInput3 = {2, 2, 8}, kInput4 = {2, 1, 13};
-  static constexpr simd::InputTiling kInput5 = {4, 1, 5};
-  static constexpr simd::ImageLaneTiling kWeight2 = {4, 1}, kWeight3 = {4, 4};
+  static constexpr simd::InputTiling kInput2 = {2, 2, 11}, kInput3 = {2, 2, 8}, kInput4 = {2, 2, 7};
+  static constexpr simd::InputTiling kInput5 = {4, 2, 3};
+  static constexpr simd::ImageLaneTiling kWeight2 = {4, 2}, kWeight3 = {4, 4};
   static constexpr simd::ChannelLaneTiling kWeight4 = {2, 2}, kWeight5 = {2, 4};
 };
 
