@@ -1,0 +1,196 @@
+#include "actor/collect/collect_command.h"
+
+#include <memory>
+#include <utility>
+
+#include "actor/collect/actor_episode_log.h"
+#include "actor/collect/collector.h"
+#include "actor/collect/status_reporter.h"
+#include "actor/environment.h"
+#include "actor/experience/experience_writer.h"
+#include "actor/experience/weights_subscriber.h"
+#include "common/dds/node.h"
+#include "common/model/acting_policy.h"
+#include "common/util/log.h"
+#include "common/util/shutdown.h"
+#include "proto/telemetry.h"
+
+namespace dadrl {
+namespace {
+
+constexpr Duration kDrain = std::chrono::seconds(5);
+constexpr Duration kReplayPoll = std::chrono::milliseconds(20);
+
+EpisodeReport ReportOf(const CollectedEpisode& episode, int actor, uint64_t incarnation) {
+  EpisodeReport report;
+  report.actor = actor;
+  report.incarnation = incarnation;
+  report.episode = episode.episode;
+  report.seed = episode.summary.seed;
+  report.outcome = static_cast<int>(episode.summary.outcome);
+  report.steps = episode.summary.steps;
+  report.episode_return = episode.summary.episode_return;
+  report.progress = episode.summary.progress;
+  report.mean_speed_mps = episode.summary.mean_speed_mps;
+  report.humanness_error = episode.summary.humanness_error;
+  report.overall_score = episode.summary.overall_score;
+  report.policy_version = episode.policy_version;
+  report.sent_ns = WallTimeNs();
+  return report;
+}
+
+// The parts of one actor, in the order they need each other.
+class Actor {
+ public:
+  static Result<std::unique_ptr<Actor>> Create(const CollectOptions& options);
+  Status Run();
+
+ private:
+  Actor(const CollectOptions& options, std::unique_ptr<Environment> environment)
+      : options_(options),
+        spec_(ObservationSpec::From(options.config.observation)),
+        policy_(spec_, options.config.model),
+        environment_(std::move(environment)),
+        publisher_(options.config.telemetry.enabled ? TelemetryUrl(options.config.cluster) : "") {}
+
+  Status Connect();
+  void WaitForReplay();
+  void Record(const CollectedEpisode& episode);
+  Status CheckLayout() const;
+  void FillStatus(ProcessStatus& status) const;
+  std::string WaitingFor() const;
+
+  const CollectOptions options_;
+  const ObservationSpec spec_;
+  const uint64_t incarnation_ = static_cast<uint64_t>(WallTimeNs());
+  SystemClock clock_;
+  TimeLedger ledger_{clock_};
+  ActingPolicy policy_;
+  std::unique_ptr<Environment> environment_;
+  TelemetryPublisher publisher_;
+  std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<ExperienceWriter> writer_;
+  std::unique_ptr<WeightsSubscriber> weights_;
+  std::unique_ptr<ActorEpisodeLog> log_;
+  bool log_failed_ = false;
+  std::unique_ptr<Collector> collector_;
+  std::unique_ptr<StatusReporter> reporter_;
+  std::atomic<uint64_t> waits_{0};
+};
+
+Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
+  DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(options.config));
+  std::unique_ptr<Actor> actor(new Actor(options, std::move(environment)));
+  DADRL_RETURN_IF_ERROR(actor->Connect());
+  return actor;
+}
+
+Status Actor::Connect() {
+  const Config& config = options_.config;
+  const auto index = static_cast<uint32_t>(options_.index);
+  DADRL_ASSIGN_OR_RETURN(ActorEpisodeLog log,
+                         ActorEpisodeLog::Open(options_.run_directory / "logs" /
+                                               fmt::format("episodes-actor-{}.csv", options_.index)));
+  log_ = std::make_unique<ActorEpisodeLog>(std::move(log));
+  DADRL_ASSIGN_OR_RETURN(
+      node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index));
+  DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, index, incarnation_));
+  DADRL_ASSIGN_OR_RETURN(weights_,
+                         WeightsSubscriber::Create(*node_, policy_.parameter_count(), policy_.layout_hash()));
+  collector_ = std::make_unique<Collector>(config,
+                                           Collector::Parts{.environment = *environment_,
+                                                            .sink = *writer_,
+                                                            .policies = *weights_,
+                                                            .policy = policy_,
+                                                            .ledger = ledger_,
+                                                            .clock = clock_,
+                                                            .stop = shutdown_requested},
+                                           index, incarnation_);
+  DADRL_ASSIGN_OR_RETURN(
+      reporter_, StatusReporter::Start(*node_, publisher_, config.telemetry, options_.index, incarnation_,
+                                       {.fill = [this](ProcessStatus& status) { FillStatus(status); },
+                                        .ticks = [this] { return collector_->progress().ticks + waits_; },
+                                        .waiting_for = [this] { return WaitingFor(); }}));
+  return {};
+}
+
+Status Actor::Run() {
+  spdlog::info("actor {} drives {}, cluster at {}:{}", options_.index, options_.config.scenario,
+               options_.config.cluster.host, options_.config.cluster.port);
+  WaitForReplay();
+  ledger_.Enter(Activity::kWork);
+  while (!shutdown_requested) {
+    DADRL_ASSIGN_OR_RETURN(const auto episode, collector_->RunEpisode());
+    if (episode) Record(*episode);
+    DADRL_RETURN_IF_ERROR(CheckLayout());
+  }
+  if (!writer_->Flush(kDrain)) {
+    spdlog::warn("leaving with {} bytes of experience that the replay has not acknowledged",
+                 writer_->statistics().backlog_bytes);
+  }
+  return {};
+}
+
+// Experience has nowhere to go before the replay is there; later outages are what the backlog is for.
+void Actor::WaitForReplay() {
+  const ScopedActivity wait(ledger_, Activity::kWaitForReplay);
+  while (!shutdown_requested && !writer_->statistics().replay_present) {
+    clock_.SleepFor(kReplayPoll);
+    ++waits_;
+  }
+}
+
+void Actor::Record(const CollectedEpisode& episode) {
+  const EpisodeReport report = ReportOf(episode, options_.index, incarnation_);
+  publisher_.Publish(report);
+  const Status appended = log_->Append(incarnation_, report.sent_ns, episode);
+  if (!appended && !std::exchange(log_failed_, true)) {
+    spdlog::error("episodes are not logged any more: {}", appended.error().message);
+  }
+}
+
+// With a policy in use, a stranger's broadcast is only counted; without one, it means that this actor was
+// started with another configuration than its learner and would drive at random for ever.
+Status Actor::CheckLayout() const {
+  if (collector_->progress().policy_version > 0 || weights_->refused_layouts() == 0) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "the learner at {} trains another network than this actor's configuration describes: start the "
+              "actor with the config.yaml of the run",
+              options_.config.cluster.host);
+}
+
+void Actor::FillStatus(ProcessStatus& status) const {
+  const CollectorProgress progress = collector_->progress();
+  const auto set = [&](Metric metric, auto value) { status[metric] = static_cast<double>(value); };
+  set(Metric::kEnvSteps, progress.env_steps);
+  set(Metric::kDecisions, progress.decisions);
+  set(Metric::kEpisodes, progress.episodes);
+  set(Metric::kSuccesses, progress.outcomes[static_cast<size_t>(Outcome::kSuccess)]);
+  set(Metric::kCollisions, progress.outcomes[static_cast<size_t>(Outcome::kCollision)]);
+  set(Metric::kOffRoads, progress.outcomes[static_cast<size_t>(Outcome::kOffRoad)]);
+  set(Metric::kStagnations, progress.outcomes[static_cast<size_t>(Outcome::kStagnation)]);
+  set(Metric::kSimulatorFailures, progress.simulator_failures);
+  set(Metric::kBacklogBytes, writer_->statistics().backlog_bytes);
+  set(Metric::kPolicyVersion, progress.policy_version);
+  if (progress.policy_version > 0) {
+    set(Metric::kPolicyAgeS, static_cast<double>(status.sent_ns - weights_->published_ns()) / 1e9);
+  }
+  status.activity_s = ledger_.Read();
+}
+
+std::string Actor::WaitingFor() const {
+  if (writer_->statistics().replay_present) return {};
+  const ClusterConfig& cluster = options_.config.cluster;
+  const int shard = options_.index % options_.config.replay.shards;
+  return fmt::format("the replay at {}:{}", cluster.host,
+                     dds::WellKnownPort(cluster, dds::Plane::kData, shard));
+}
+
+}  // namespace
+
+Status RunCollect(const CollectOptions& options) {
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<Actor> actor, Actor::Create(options));
+  return actor->Run();
+}
+
+}  // namespace dadrl

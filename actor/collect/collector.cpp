@@ -1,0 +1,139 @@
+#include "actor/collect/collector.h"
+
+#include <algorithm>
+
+#include "actor/collect/episode_seeds.h"
+#include "common/util/log.h"
+#include "proto/experience.h"
+
+namespace dadrl {
+namespace {
+
+constexpr double kSimulationStepS = 0.1;
+constexpr Duration kRoomPoll = std::chrono::milliseconds(2);
+constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
+
+}  // namespace
+
+Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation)
+    : config_(config),
+      parts_(parts),
+      actor_(actor),
+      incarnation_(incarnation),
+      random_(ActionSeed(config.seed, actor, incarnation)),
+      random_actions_(kSimulationStepS * config.task.decision_interval),
+      before_(ObservationSpec::From(config.observation)) {}
+
+Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
+  seed_ = TrainingSeed(config_.seed, actor_, incarnation_, ++episode_);
+  DADRL_ASSIGN_OR_RETURN(const bool ready, Reset());
+  if (!ready) return std::nullopt;
+  steps_before_ = progress().env_steps;
+  random_actions_.Restart();
+  parts_.sink.BeginEpisode(episode_);
+  while (WaitForRoom()) {
+    TakePolicy();
+    const Result<bool> ended = Decide();
+    if (!ended) return Lose(ended.error());
+    if (!*ended) continue;
+    parts_.sink.EndEpisode();
+    failures_ = 0;
+    const EpisodeSummary& summary = parts_.environment.summary();
+    MutexLock lock(mutex_);
+    ++progress_.episodes;
+    ++progress_.outcomes[static_cast<size_t>(summary.outcome)];
+    progress_.env_steps = steps_before_ + static_cast<uint64_t>(summary.steps);
+    return CollectedEpisode{episode_, summary, version_};
+  }
+  parts_.sink.EndEpisode();
+  return std::nullopt;
+}
+
+Result<bool> Collector::Reset() {
+  const ScopedActivity wait(parts_.ledger, Activity::kWaitForSimulator);
+  Tick();
+  const Status status = parts_.environment.Reset(seed_);
+  Tick();
+  if (status) {
+    spawn_failures_ = 0;
+    return true;
+  }
+  if (status.error().code == ErrorCode::kInvalidArgument) return tl::unexpected<Error>(status.error());
+  if (status.error().code != ErrorCode::kUnavailable) {
+    DADRL_RETURN_IF_ERROR(Lose(status.error()));
+    return false;
+  }
+  if (++spawn_failures_ >= kMaxSpawnFailures) {
+    return Fail(ErrorCode::kInternal, "no room for the ego in {} traffics in a row; the last: {}",
+                spawn_failures_, status.error().message);
+  }
+  return false;
+}
+
+Result<bool> Collector::Decide() {
+  before_ = parts_.environment.observation();
+  const Action action = version_ == 0 ? random_actions_.Next(random_) : parts_.policy.Act(before_, &random_);
+  DADRL_ASSIGN_OR_RETURN(const StepResult step, parts_.environment.Step(action));
+  const uint8_t flags = step.terminated ? kTerminated : step.truncated ? kTruncated : 0;
+  parts_.sink.AddTransition(before_, action, step.reward, flags, version_);
+  if (flags == kTruncated) parts_.sink.AddFinal(parts_.environment.observation());
+  MutexLock lock(mutex_);
+  ++progress_.ticks;
+  ++progress_.decisions;
+  progress_.env_steps += static_cast<uint64_t>(config_.task.decision_interval);
+  return step.ended();
+}
+
+Result<std::optional<CollectedEpisode>> Collector::Lose(const Error& error) {
+  parts_.sink.EndEpisode();
+  {
+    MutexLock lock(mutex_);
+    ++progress_.simulator_failures;
+  }
+  if (++failures_ >= kMaxFailures) {
+    return Fail(ErrorCode::kInternal, "{} episodes in a row were lost to the simulator; the last: {}",
+                failures_, error.message);
+  }
+  spdlog::warn("episode {} (traffic seed {}) is lost: {}", episode_, seed_, error.message);
+  parts_.clock.SleepFor(kFirstBackOff * (1 << std::min(failures_ - 1, 5)));
+  return std::nullopt;
+}
+
+bool Collector::WaitForRoom() {
+  if (parts_.stop) return false;
+  if (!parts_.sink.blocked()) return true;
+  const ScopedActivity wait(parts_.ledger, Activity::kWaitForReplay);
+  while (parts_.sink.blocked()) {
+    if (parts_.stop) return false;
+    parts_.clock.SleepFor(kRoomPoll);
+    Tick();
+  }
+  return true;
+}
+
+void Collector::TakePolicy() {
+  const uint32_t newer = parts_.policies.TakeNewer(newest_version_, parameters_);
+  if (newer == 0) return;
+  newest_version_ = newer;
+  const Status loaded = parts_.policy.Load(parameters_);
+  MutexLock lock(mutex_);
+  if (!loaded) {
+    ++progress_.refused_policies;
+    spdlog::error("policy {} is refused, policy {} stays: {}", newer, version_, loaded.error().message);
+    return;
+  }
+  version_ = newer;
+  progress_.policy_version = newer;
+}
+
+void Collector::Tick() {
+  MutexLock lock(mutex_);
+  ++progress_.ticks;
+}
+
+CollectorProgress Collector::progress() const {
+  MutexLock lock(mutex_);
+  return progress_;
+}
+
+}  // namespace dadrl

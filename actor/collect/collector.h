@@ -1,0 +1,101 @@
+// The collecting loop: drive an episode with the newest policy, hand its frames to the sink.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actor/collect/random_actions.h"
+#include "actor/environment.h"
+#include "actor/experience/experience_sink.h"
+#include "common/config/config.h"
+#include "common/model/acting_policy.h"
+#include "common/util/clock.h"
+#include "common/util/mutex.h"
+#include "common/util/random.h"
+#include "common/util/time_ledger.h"
+
+namespace dadrl {
+
+// Cumulative since the collector began.
+struct CollectorProgress {
+  uint64_t env_steps = 0;  // simulation steps
+  uint64_t decisions = 0;
+  uint64_t episodes = 0;
+  std::array<uint64_t, 4> outcomes{};  // by Outcome
+  uint64_t simulator_failures = 0;     // episodes lost to the simulator
+  uint64_t refused_policies = 0;       // that arrived but could not be loaded
+  uint32_t policy_version = 0;         // in use, now; 0: acting at random
+  uint64_t ticks = 0;                  // moves whenever the loop does
+};
+
+// A finished episode.
+struct CollectedEpisode {
+  uint64_t episode = 0;
+  EpisodeSummary summary;
+  uint32_t policy_version = 0;  // in use when it ended
+};
+
+// Acts at random until the first policy arrives, then samples from the policy. RunEpisode belongs to one
+// thread; progress may be read by any.
+class Collector {
+ public:
+  // Borrowed for the collector's life.
+  struct Parts {
+    Environment& environment;
+    ExperienceSink& sink;
+    PolicySource& policies;
+    ActingPolicy& policy;
+    TimeLedger& ledger;
+    Clock& clock;
+    const std::atomic<bool>& stop;
+  };
+
+  Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation);
+
+  // Drives one episode. Nothing when it was cut by `stop` or lost to the simulator (counted; the frames so
+  // far stay valid experience). Waits, outside the simulator, while the sink is blocked. An error when the
+  // simulator fails again and again: going on is pointless.
+  Result<std::optional<CollectedEpisode>> RunEpisode();
+
+  CollectorProgress progress() const;
+
+  // Failures in a row after which RunEpisode gives up.
+  static constexpr int kMaxFailures = 10;
+  static constexpr int kMaxSpawnFailures = 100;
+
+ private:
+  // The simulator is ready, or this episode is lost (false), or there is no hope.
+  Result<bool> Reset();
+  // One decision; true when the episode ended.
+  Result<bool> Decide();
+  Result<std::optional<CollectedEpisode>> Lose(const Error& error);
+  // False when stopped.
+  bool WaitForRoom();
+  void TakePolicy();
+  void Tick();
+
+  const Config config_;
+  const Parts parts_;
+  const uint32_t actor_;
+  const uint64_t incarnation_;
+  Random random_;
+  RandomActions random_actions_;
+  Observation before_;             // the observation that the action answers
+  std::vector<float> parameters_;  // scratch of TakePolicy
+  uint64_t episode_ = 0;
+  uint64_t seed_ = 0;
+  uint32_t newest_version_ = 0;  // arrived, loaded or refused
+  uint32_t version_ = 0;         // in use
+  uint64_t steps_before_ = 0;    // env_steps when the episode began
+  int failures_ = 0;             // in a row
+  int spawn_failures_ = 0;       // in a row
+
+  mutable Mutex mutex_;
+  CollectorProgress progress_ DADRL_GUARDED_BY(mutex_);
+};
+
+}  // namespace dadrl

@@ -1,0 +1,66 @@
+#include "actor/collect/actor_episode_log.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace dadrl {
+namespace {
+
+class ActorEpisodeLogTest : public ::testing::Test {
+ protected:
+  ~ActorEpisodeLogTest() override { std::filesystem::remove_all(root_); }
+  static std::filesystem::path MakeRoot() {
+    std::string name = std::filesystem::temp_directory_path() / "actor_episode_log_XXXXXX";
+    return ::mkdtemp(name.data());
+  }
+  std::vector<std::string> Lines() const {
+    std::ifstream file(path_);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+  }
+  static CollectedEpisode Episode(uint64_t number) {
+    CollectedEpisode episode{.episode = number, .policy_version = 12};
+    episode.summary.seed = 77;
+    episode.summary.outcome = Outcome::kCollision;
+    episode.summary.steps = 123;
+    episode.summary.episode_return = -0.5;
+    return episode;
+  }
+
+  const std::filesystem::path root_ = MakeRoot();
+  const std::filesystem::path path_ = root_ / "logs" / "episodes-actor-3.csv";
+};
+
+TEST_F(ActorEpisodeLogTest, WritesARowForAnEpisodeUnderAHeader) {
+  auto log = ActorEpisodeLog::Open(path_).value();
+  ASSERT_TRUE(log.Append(9, 1'500'000'000, Episode(1)));
+  const auto lines = Lines();
+  ASSERT_EQ(lines.size(), 2);
+  EXPECT_EQ(lines[1].substr(0, 33), "1.500,9,1,77,collision,123,-0.5,0");
+  EXPECT_EQ(std::count(lines[0].begin(), lines[0].end(), ','),
+            std::count(lines[1].begin(), lines[1].end(), ','));
+}
+
+TEST_F(ActorEpisodeLogTest, GoesOnBehindTheLastWholeRow) {
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(1, 0, Episode(1)));
+  std::ofstream(path_, std::ios::app) << "1.000,1,2,77,coll";  // killed in the middle
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(2, 0, Episode(1)));
+  const auto lines = Lines();
+  ASSERT_EQ(lines.size(), 3);
+  EXPECT_EQ(lines[1].substr(0, 12), "0.000,1,1,77");
+  EXPECT_EQ(lines[2].substr(0, 12), "0.000,2,1,77");
+}
+
+TEST_F(ActorEpisodeLogTest, NamesTheFileThatCannotBeWritten) {
+  std::ofstream(root_ / "logs") << "a file where the folder should be";
+  const auto log = ActorEpisodeLog::Open(path_);
+  ASSERT_FALSE(log);
+  EXPECT_NE(log.error().message.find("episodes-actor-3.csv"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dadrl
