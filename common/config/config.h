@@ -115,7 +115,7 @@ struct EvaluationConfig {
 struct ClusterConfig {
   std::string host = "127.0.0.1";  // address the replay and the learner are reached at
   int port = 0;                    // base of the DDS ports; 0: the launcher takes a free one
-  double lease_s = 10.0;           // how long a network cut loses nothing inside DDS
+  double lease_s = 3.0;            // how long a network cut, or a killed peer, holds up a reliable DDS writer
   double liveliness_s = 1.0;
   int64_t receive_buffer_bytes = int64_t{4} << 20;
 };
