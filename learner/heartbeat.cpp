@@ -3,25 +3,22 @@
 #include "common/util/log.h"
 
 namespace dadrl {
-namespace {
-
-constexpr Duration kStuckAfter = std::chrono::seconds(10);
-
-}  // namespace
 
 Result<std::unique_ptr<Heartbeat>> Heartbeat::Start(const dds::Node& node, uint64_t incarnation,
-                                                    std::function<uint64_t()> progress) {
+                                                    std::function<uint64_t()> progress,
+                                                    Duration stuck_after) {
   DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_Heartbeat>::Create(node, kHeartbeatTopic));
   return std::unique_ptr<Heartbeat>(new Heartbeat(std::move(writer), FromSeconds(node.liveliness_s() / 4),
-                                                  incarnation, std::move(progress)));
+                                                  incarnation, std::move(progress), stuck_after));
 }
 
 Heartbeat::Heartbeat(std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> writer, Duration interval,
-                     uint64_t incarnation, std::function<uint64_t()> progress)
+                     uint64_t incarnation, std::function<uint64_t()> progress, Duration stuck_after)
     : writer_(std::move(writer)),
       interval_(interval),
       incarnation_(incarnation),
       progress_(std::move(progress)),
+      stuck_after_(stuck_after),
       thread_([this] { Run(); }) {}
 
 Heartbeat::~Heartbeat() {
@@ -44,7 +41,7 @@ void Heartbeat::Run() {
       seen = progress;
       seen_at = clock.Now();
     }
-    const bool is_stuck = clock.Now() - seen_at > kStuckAfter;
+    const bool is_stuck = clock.Now() - seen_at > stuck_after_;
     if (is_stuck && !stuck) spdlog::error("the training loop stands still: no more heartbeats");
     stuck = is_stuck;
     if (!stuck) {

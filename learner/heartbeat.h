@@ -23,18 +23,20 @@ class Heartbeat {
  public:
   // `progress` is called on the heartbeat's thread.
   static Result<std::unique_ptr<Heartbeat>> Start(const dds::Node& node, uint64_t incarnation,
-                                                  std::function<uint64_t()> progress);
+                                                  std::function<uint64_t()> progress,
+                                                  Duration stuck_after = std::chrono::seconds(10));
   ~Heartbeat();
 
  private:
   Heartbeat(std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> writer, Duration interval, uint64_t incarnation,
-            std::function<uint64_t()> progress);
+            std::function<uint64_t()> progress, Duration stuck_after);
   void Run();
 
   const std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> writer_;
   const Duration interval_;
   const uint64_t incarnation_;
   const std::function<uint64_t()> progress_;
+  const Duration stuck_after_;
   Mutex mutex_;
   CondVar changed_;
   bool stopping_ DADRL_GUARDED_BY(mutex_) = false;

@@ -1,0 +1,96 @@
+// A learner's node and a replay shard's, in one process over real DDS on loopback. The shard answers only
+// when the test says so.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/config/config.h"
+#include "proto/sample_batch.h"
+#include "proto/topics.h"
+#include "tests/common/dds/dds_fixture.h"
+#include "tests/proto/synthetic_experience.h"
+
+namespace dadrl {
+
+// Batches as a replay encodes them: item i has the key `first_key` + i.
+class BatchMaker {
+ public:
+  explicit BatchMaker(const ObservationSpec& spec) : schema_(SchemaHash(spec)) {
+    Random random(5);
+    FrameCodec codec(spec, FloatCoding::kFloat32);
+    codec.Encode(SyntheticObservation(spec, random), frame_);
+  }
+  std::vector<std::byte> Make(int size, uint64_t first_key, uint32_t policy_version = 1) const {
+    const std::vector<float> rewards = {1.0f, 0.5f};
+    std::vector<SampledItem> items;
+    for (int i = 0; i < size; ++i) {
+      items.push_back({.key = first_key + static_cast<uint64_t>(i),
+                       .policy_version = policy_version,
+                       .action = {0.5f, -0.5f},
+                       .rewards = rewards,
+                       .first = frame_,
+                       .next = frame_});
+    }
+    return EncodeSampleBatch(items, schema_);
+  }
+
+ private:
+  uint64_t schema_;
+  std::vector<std::byte> frame_;
+};
+
+// The replay's end of the wire. Dies and comes back with the object.
+class TestShard {
+ public:
+  TestShard(const ClusterConfig& cluster, int shards, int index)
+      : node_(dds::Node::Create(cluster, shards, dds::Role::kReplay, index).value()),
+        requests_(dds::Reader<dadrl_idl_BatchRequest>::Create(*node_, kBatchRequestTopic).value()),
+        replies_(dds::Writer<dadrl_idl_BatchReply>::Create(*node_, kBatchReplyTopic).value()),
+        priorities_(dds::Reader<dadrl_idl_PriorityUpdate>::Create(*node_, kPriorityTopic).value()),
+        index_(static_cast<uint32_t>(index)) {}
+
+  // Requests for this shard that have come so far and were not returned before.
+  std::vector<dadrl_idl_BatchRequest> TakeRequests() {
+    std::vector<dadrl_idl_BatchRequest> requests;
+    requests_->Take(100, [&](const dadrl_idl_BatchRequest& request) {
+      if (request.shard == index_) requests.push_back(request);
+    });
+    return requests;
+  }
+  // Waits for at least `count` requests.
+  std::vector<dadrl_idl_BatchRequest> AwaitRequests(size_t count) {
+    std::vector<dadrl_idl_BatchRequest> requests;
+    EXPECT_TRUE(dds::Eventually([&] {
+      for (const auto& request : TakeRequests()) requests.push_back(request);
+      return requests.size() >= count;
+    }));
+    return requests;
+  }
+  void Reply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes, int claimed_shard = -1) {
+    // The reader may have been discovered a moment after the writer.
+    ASSERT_TRUE(dds::Eventually([&] { return replies_->matched() > 0; }));
+    dadrl_idl_BatchReply reply{};
+    reply.shard = claimed_shard < 0 ? index_ : static_cast<uint32_t>(claimed_shard);
+    reply.learner = learner;
+    reply.request = request;
+    reply.frames_held = 1000;
+    const auto length = static_cast<uint32_t>(bytes.size());
+    auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
+    reply.bytes = {length, length, buffer, false};
+    ASSERT_TRUE(replies_->Write(reply));
+  }
+  dds::Reader<dadrl_idl_PriorityUpdate>& priorities() { return *priorities_; }
+
+ private:
+  std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<dds::Reader<dadrl_idl_BatchRequest>> requests_;
+  std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies_;
+  std::unique_ptr<dds::Reader<dadrl_idl_PriorityUpdate>> priorities_;
+  uint32_t index_;
+};
+
+}  // namespace dadrl
