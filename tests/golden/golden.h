@@ -1,0 +1,107 @@
+// Reads the golden files (make_golden.py) and repeats the hash their inputs come from.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/nn/param_layout.h"
+
+namespace dadrl::golden {
+
+// The bytes of tests/golden/<name>.npy behind its header; `dtype` is NumPy's, "<f4" or "|u1".
+inline std::vector<char> ReadNpy(const std::string& name, const std::string& dtype) {
+  const std::string path = std::string(DADRL_SOURCE_DIR) + "/tests/golden/" + name + ".npy";
+  std::ifstream file(path, std::ios::binary);
+  std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
+  if (bytes.size() < 10 || std::memcmp(bytes.data(), "\x93NUMPY", 6) != 0) {
+    ADD_FAILURE() << path << " is missing or no .npy file";
+    return {};
+  }
+  uint16_t header = 0;
+  std::memcpy(&header, bytes.data() + 8, sizeof(header));
+  const std::string text(bytes.data() + 10, header);
+  EXPECT_NE(text.find("'" + dtype + "'"), std::string::npos) << path << " holds no " << dtype;
+  EXPECT_EQ(text.find("'fortran_order': True"), std::string::npos) << path;
+  bytes.erase(bytes.begin(), bytes.begin() + 10 + header);
+  return bytes;
+}
+
+inline std::vector<float> Floats(const std::string& name) {
+  const std::vector<char> bytes = ReadNpy(name, "<f4");
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+inline std::vector<uint8_t> Bytes(const std::string& name) {
+  const std::vector<char> bytes = ReadNpy(name, "|u1");
+  return {bytes.begin(), bytes.end()};
+}
+
+// The `uniform` of make_golden.py: values in [-scale, scale).
+inline std::vector<float> Uniform(uint64_t salt, size_t count, float scale = 1.0f) {
+  std::vector<float> values(count);
+  for (size_t i = 0; i < count; ++i) {
+    uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u + salt * 0xd1342543de82ef95u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    values[i] = (static_cast<float>(z >> 40) * 0x1p-23f - 1.0f) * scale;
+  }
+  return values;
+}
+
+// Fills a flat vector as the `make_parameters` of make_golden.py does: within each tensor's initial bound.
+inline void FillParameters(const nn::ParamLayout& layout, uint64_t salt, std::span<float> parameters) {
+  uint64_t index = 0;
+  for (const nn::TensorInfo& tensor : layout.tensors()) {
+    const std::vector<float> values = Uniform(salt * 1000 + index++, tensor.size, tensor.initial_bound);
+    std::copy(values.begin(), values.end(), parameters.begin() + static_cast<ptrdiff_t>(tensor.offset));
+  }
+}
+
+// Largest difference over the largest golden magnitude.
+inline double RelativeError(std::span<const float> ours, std::span<const float> golden) {
+  EXPECT_EQ(ours.size(), golden.size());
+  double difference = 0.0;
+  double magnitude = 0.0;
+  for (size_t i = 0; i < std::min(ours.size(), golden.size()); ++i) {
+    const double distance = std::abs(static_cast<double>(ours[i]) - static_cast<double>(golden[i]));
+    difference = std::isnan(distance) ? HUGE_VAL : std::max(difference, distance);
+    magnitude = std::max(magnitude, std::abs(static_cast<double>(golden[i])));
+  }
+  return magnitude == 0.0 ? difference : difference / magnitude;
+}
+
+constexpr double kTolerance = 1e-5;
+
+inline void ExpectAgrees(std::span<const float> ours, std::span<const float> golden, const std::string& what,
+                         double tolerance = kTolerance) {
+  EXPECT_LE(RelativeError(ours, golden), tolerance) << what;
+}
+
+// Compares tensor by tensor, from tensor `first` on; `golden` holds them one behind the other without
+// padding.
+inline void ExpectTensorsAgree(const nn::ParamLayout& layout, std::span<const float> ours,
+                               std::span<const float> golden, const std::string& what, size_t first = 0,
+                               double tolerance = kTolerance) {
+  size_t at = 0;
+  for (const nn::TensorInfo& tensor : layout.tensors().subspan(first)) {
+    ASSERT_LE(at + tensor.size, golden.size()) << what << " ends before " << tensor.name;
+    ExpectAgrees(ours.subspan(tensor.offset, tensor.size), golden.subspan(at, tensor.size),
+                 what + " " + tensor.name, tolerance);
+    at += tensor.size;
+  }
+  EXPECT_EQ(at, golden.size()) << what;
+}
+
+}  // namespace dadrl::golden
