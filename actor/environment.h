@@ -16,8 +16,8 @@ namespace dadrl {
 
 // What one decision led to.
 struct StepResult {
-  float reward =
-      0.0f;  // summed over the decision's simulation steps, discounted by gamma^(1/decision_interval)
+  // Summed over the decision's simulation steps, discounted by gamma^(1/decision_interval) a step.
+  float reward = 0.0f;
   bool terminated = false;  // collision, off-road, goal: nothing follows
   bool truncated = false;   // time limit: the value goes on
   bool ended() const { return terminated || truncated; }

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "actor/sensing/sample_bits.h"
+
 namespace dadrl {
 namespace {
 
@@ -17,11 +19,11 @@ constexpr double kCellMetres = 0.2;
 // Half the diagonal of a view, and how far off the network's bounds the ego's centre may be (off-road ends an
 // episode long before).
 constexpr double kPadding = 0.5 * kViewSide * std::numbers::sqrt2 + 5.0;
-// Positions on the grid while a row is stepped along: 16 bits of fraction.
-constexpr double kFixedOne = 65536.0;
+constexpr size_t kRowBytes = kSize / 8;
+constexpr double kFixedOne = 65536.0;  // of GridLine
 
-static_assert(std::endian::native == std::endian::little, "planes are copied as 64-bit words");
-static_assert(kSize == 128, "a row of a plane is two words");
+static_assert(std::endian::native == std::endian::little, "the route's plane is copied as words");
+static_assert(kSize % 32 == 0, "a row of a plane is whole words");
 
 struct Bounds {
   Point low{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
@@ -94,23 +96,11 @@ void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const
   const Point right{up.y, -up.x};
   const auto step_x = static_cast<int32_t>(std::lround(right.x * kFixedOne));
   const auto step_y = static_cast<int32_t>(std::lround(right.y * kFixedOne));
-  const uint64_t* words = drivable_.words().data();
-  const auto stride = static_cast<uint32_t>(drivable_.stride_words());
   for (int row = 0; row < kSize; ++row) {
     const Point start = centre + (kSize / 2.0 - row - 0.5) * up + (0.5 - kSize / 2.0) * right;
-    auto x = static_cast<int32_t>(std::lround(start.x * kFixedOne));
-    auto y = static_cast<int32_t>(std::lround(start.y * kFixedOne));
-    uint64_t bits[2] = {0, 0};
-    for (uint64_t& word : bits) {
-      for (unsigned column = 0; column < 64; ++column) {
-        const uint32_t cell_x = static_cast<uint32_t>(x) >> 16U;
-        const uint32_t cell_y = static_cast<uint32_t>(y) >> 16U;
-        word |= (words[cell_y * stride + cell_x / 64] >> (cell_x % 64) & 1U) << column;
-        x += step_x;
-        y += step_y;
-      }
-    }
-    std::memcpy(plane.data() + static_cast<size_t>(row) * sizeof(bits), bits, sizeof(bits));
+    const GridLine line{static_cast<int32_t>(std::lround(start.x * kFixedOne)),
+                        static_cast<int32_t>(std::lround(start.y * kFixedOne)), step_x, step_y};
+    SampleBits(drivable_, line, plane.subspan(static_cast<size_t>(row) * kRowBytes, kRowBytes));
   }
 }
 

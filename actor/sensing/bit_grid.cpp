@@ -50,10 +50,10 @@ int LastCell(double high) { return static_cast<int>(std::floor(high - 0.5)); }
 BitGrid::BitGrid(int width, int height)
     : width_(width),
       height_(height),
-      stride_((width + 63) / 64),
+      stride_((width + 31) / 32),
       words_(static_cast<size_t>(stride_) * static_cast<size_t>(height)) {}
 
-void BitGrid::Clear() { std::ranges::fill(words_, uint64_t{0}); }
+void BitGrid::Clear() { std::ranges::fill(words_, uint32_t{0}); }
 
 void BitGrid::FillSpan(int row, double left, double right) {
   const double width = width_;
@@ -62,15 +62,15 @@ void BitGrid::FillSpan(int row, double left, double right) {
   if (first > last) return;
   const size_t first_word = Index(row, first);
   const size_t last_word = Index(row, last);
-  const uint64_t first_mask = ~uint64_t{0} << (static_cast<unsigned>(first) % 64U);
-  const uint64_t last_mask = ~uint64_t{0} >> (63U - static_cast<unsigned>(last) % 64U);
+  const uint32_t first_mask = ~uint32_t{0} << (static_cast<unsigned>(first) % 32U);
+  const uint32_t last_mask = ~uint32_t{0} >> (31U - static_cast<unsigned>(last) % 32U);
   if (first_word == last_word) {
     words_[first_word] |= first_mask & last_mask;
     return;
   }
   words_[first_word] |= first_mask;
   std::fill(words_.begin() + static_cast<std::ptrdiff_t>(first_word) + 1,
-            words_.begin() + static_cast<std::ptrdiff_t>(last_word), ~uint64_t{0});
+            words_.begin() + static_cast<std::ptrdiff_t>(last_word), ~uint32_t{0});
   words_[last_word] |= last_mask;
 }
 

@@ -22,10 +22,10 @@ class BitGrid {
   int width() const { return width_; }
   int height() const { return height_; }
   bool Get(int row, int column) const {
-    return (words_[Index(row, column)] >> (static_cast<unsigned>(column) % 64U) & 1U) != 0;
+    return (words_[Index(row, column)] >> (static_cast<unsigned>(column) % 32U) & 1U) != 0;
   }
-  // Row-major, stride_words() words a row, column c is bit c % 64 of word c / 64.
-  std::span<const uint64_t> words() const { return words_; }
+  // Row-major, stride_words() words a row, column c is bit c % 32 of word c / 32.
+  std::span<const uint32_t> words() const { return words_; }
   int stride_words() const { return stride_; }
 
   void Clear();
@@ -36,7 +36,7 @@ class BitGrid {
 
  private:
   size_t Index(int row, int column) const {
-    return static_cast<size_t>(row) * static_cast<size_t>(stride_) + static_cast<size_t>(column) / 64;
+    return static_cast<size_t>(row) * static_cast<size_t>(stride_) + static_cast<size_t>(column) / 32;
   }
   // Cells of `row` whose centre is within [left, right].
   void FillSpan(int row, double left, double right);
@@ -44,7 +44,7 @@ class BitGrid {
   int width_;
   int height_;
   int stride_;
-  std::vector<uint64_t> words_;
+  std::vector<uint32_t> words_;
 };
 
 }  // namespace dadrl

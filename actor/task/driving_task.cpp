@@ -22,8 +22,10 @@ TaskStep DrivingTask::Step(const WorldState& world, const EgoLocation& location)
   return Judge(world, location, detector_.Detect(world, location));
 }
 
-TaskStep DrivingTask::Arrive(const WorldState& world, const EgoLocation& location) {
-  return Judge(world, location, Events{.goal = true});
+TaskStep DrivingTask::Leave(const WorldState& world, const EgoLocation& location) {
+  Events events = detector_.Detect(world, location);
+  events.off_road = events.off_road || !events.goal;
+  return Judge(world, location, events);
 }
 
 TaskStep DrivingTask::Judge(const WorldState& world, const EgoLocation& location, const Events& events) {

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "tests/actor/test_maps.h"
@@ -89,7 +92,7 @@ TEST(BirdsEyeView, RouteBandEndsAtTheGoal) {
   EXPECT_TRUE(Pixel(planes, 1, last_row + 2, 63));
 }
 
-TEST(BirdsEyeView, TurningTheWorldByAQuarterChangesNothing) {
+TEST(BirdsEyeView, TurningTheWorldChangesNothing) {
   const RoadMap map = test::StraightRoad();
   const Route route = test::StraightRoute(map);
   const Pose ego{{57.3, 0.4}, 0.2};
@@ -147,6 +150,43 @@ TEST(BirdsEyeView, SeesTheWholeSquareAtTheMapsCorner) {
   EXPECT_TRUE(Pixel(planes, 0, 127, 64));
   EXPECT_TRUE(Pixel(planes, 0, 65, 64));
   EXPECT_FALSE(Pixel(planes, 0, 62, 64));
+}
+
+// A T junction: up from the south, left into the nearer lane of the road that crosses.
+RoadMap TJunction() {
+  std::vector<Lane> lanes;
+  lanes.push_back(test::MakeLane("south_0", "south", 0, 10, {{0, -60}, {0, -10}}, {1}));
+  lanes.push_back(test::MakeLane(":j_0", ":j", 0, 10, {{0, -10}, {-1, -6}, {-4, -3}, {-8, -2}}, {2}));
+  lanes.push_back(test::MakeLane("west_0", "west", 0, 10, {{-8, -2}, {-60, -2}}));
+  lanes.push_back(test::MakeLane("east_0", "east", 0, 10, {{-60, -5.2}, {60, -5.2}}));
+  return RoadMap(std::move(lanes), {{{-8, -7}, {-4, -10}, {4, -10}, {8, -7}, {8, -0.4}, {-8, -0.4}}});
+}
+
+// Both planes below each other as a portable bitmap, which any picture viewer opens:
+// golden/t_junction.pbm was looked at once and is right.
+std::string AsPortableBitmap(const Planes& planes) {
+  std::string text = "P4\n128 256\n";
+  for (uint8_t byte : planes) {
+    uint8_t reversed = 0;
+    for (int bit = 0; bit < 8; ++bit) reversed |= static_cast<uint8_t>((byte >> bit & 1) << (7 - bit));
+    text += static_cast<char>(reversed);
+  }
+  return text;
+}
+
+TEST(BirdsEyeView, LooksLikeTheGoldenPicture) {
+  const RoadMap map = TJunction();
+  const Route route(map, {0, 1, 2}, {0, -50}, {-50, -2});
+  const std::string picture = AsPortableBitmap(Draw(map, route, {{0.2, -18}, std::numbers::pi / 2 + 0.1}));
+  std::ifstream file(DADRL_SOURCE_DIR "/tests/actor/sensing/golden/t_junction.pbm", std::ios::binary);
+  const std::string golden((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  ASSERT_EQ(picture.size(), golden.size());
+  int differences = 0;
+  for (size_t i = 0; i < picture.size(); ++i) {
+    differences += __builtin_popcount(static_cast<uint8_t>(picture[i] ^ golden[i]));
+  }
+  // Compilers may round a border either way.
+  EXPECT_LE(differences, 4);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(BoxDistance, IsSymmetricAndAgreesWithSampledOutlines) {
     const Point local = i < 2 * kSide ? Point{sign * 1.84, t * 0.735} : Point{t * 1.84, sign * 0.735};
     return test::Moved(local, box.heading, box.position);
   };
-  for (int trial = 0; trial < 60; ++trial) {
+  for (int trial = 0; trial < 15; ++trial) {
     const Pose a{{random.Uniform(-3, 3), random.Uniform(-3, 3)}, random.Uniform(-4, 4)};
     const Pose b{{random.Uniform(-3, 3), random.Uniform(-3, 3)}, random.Uniform(-4, 4)};
     const double distance = BoxDistance(a, b);

@@ -79,11 +79,15 @@ TEST_F(DrivingTaskTest, ContactEndsTheEpisodeEvenAtTheGoal) {
   EXPECT_LT(task_.summary().episode_return, 0.0);
 }
 
-TEST_F(DrivingTaskTest, ArrivalOverTheGoalLanesEndIsSuccess) {
-  Begin(105);
-  const WorldState world = test::WorldWithEgo(107, 0);
-  EXPECT_TRUE(task_.Arrive(world, localizer_.Locate(world.ego.pose)).terminated);
-  EXPECT_EQ(task_.summary().outcome, Outcome::kSuccess);
+TEST_F(DrivingTaskTest, LeavingTheNetworkIsSuccessOnlyAtTheGoal) {
+  const auto leave = [&](double x, double y) {
+    Begin(105);
+    const WorldState world = test::WorldWithEgo(x, y);
+    EXPECT_TRUE(task_.Leave(world, localizer_.Locate(world.ego.pose)).terminated);
+    return task_.summary().outcome;
+  };
+  EXPECT_EQ(leave(108.2, 0.0), Outcome::kSuccess);
+  EXPECT_EQ(leave(108.2, 3.2), Outcome::kOffRoad);
 }
 
 TEST_F(DrivingTaskTest, ANewEpisodeStartsFromZero) {
