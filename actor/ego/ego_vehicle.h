@@ -23,6 +23,8 @@ class EgoVehicle {
   const EgoState& state() const { return state_; }
 
  private:
+  void Advance(double target_speed_mps, double target_steering_rad);
+
   EgoState state_;
   double drive_ = 0.0;  // lagging acceleration of the drive, m/s^2
 };

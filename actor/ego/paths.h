@@ -13,13 +13,16 @@ namespace dadrl {
 struct Path {
   std::vector<int> lanes;  // in driving order, internal ones included
   Polyline centre;
-  std::vector<double> speed_caps;  // by metre of the centre line: what its curve allows, m/s
+  // What the curves allow, m/s: element i for the metre from i on; infinite where the road does not bend.
+  std::vector<double> speed_caps;
 };
 
-// Every lane of every edge that can be reached along the route belongs to at least one path. A path prefers
-// lanes of the route where a lane forks; a lane that does not lead on along the route is followed to where it
-// ends. Ordered from the rightmost to the leftmost; paths that share a lane and part later stand in the order
-// of their branches.
+// Every lane of every edge that can be reached along the route belongs to at least one path. Where a lane
+// forks, a path takes the branches that stay on the route; a lane that does not lead on along the route is
+// followed to where it ends. In no particular order.
 std::vector<Path> FindPaths(const RoadMap& map, const Route& route);
+
+// The path that stays longest on the route's own lanes.
+int PathOfRoute(const std::vector<Path>& paths, const Route& route);
 
 }  // namespace dadrl

@@ -1,0 +1,128 @@
+#include "actor/ego/ego_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "actor/ego/ego_vehicle.h"
+
+namespace dadrl {
+namespace {
+
+// Another path becomes the current one only when it is this much nearer: paths that part at a fork lie on top
+// of each other at first, and cutting a corner must not change the branch.
+constexpr double kHysteresis = 0.8;
+// A path can be chosen from at most this far beside it, driving roughly its way.
+constexpr double kReach = 4.8;
+constexpr double kAlignment = std::numbers::pi / 3.0;
+// Paths are told apart up to this far ahead, by this much.
+constexpr double kForkLookahead = 24.0;
+constexpr double kForkOffset = 0.5;
+// A lane change begins this far beside the path and is over this near to it.
+constexpr double kChangeBegins = 0.5;
+constexpr double kChangeEnds = 0.15;
+// The wheel's angle beyond what the path's own curve needs, in a lane change (paper code: 5 degrees).
+constexpr double kChangeSteering = 5.0 * std::numbers::pi / 180.0;
+// Braking before a curve: m/s^2, and the lag with which the speed follows its target.
+constexpr double kCurveBraking = 4.0;
+constexpr double kSpeedLag = 0.25;
+
+// Pursuit distances: lane keeping has the bandwidth of the paper's controller, lane changes its duration.
+double KeepingDistance(double speed) { return 2.3 + 0.24 * speed; }
+double ChangingDistance(double speed) { return 3.5 + 0.6 * speed; }
+
+bool Drivable(const EgoState& ego, const Path& path, const Polyline::Projection& projection) {
+  if (projection.distance > kReach) return false;
+  const double turn = WrapAngle(path.centre.HeadingAt(projection.s) - ego.pose.heading);
+  return std::abs(turn) < kAlignment && projection.s < path.centre.length();
+}
+
+// How far to the left of `from` the path `to` is, where the two first part ahead of the ego; 0 when they do
+// not.
+double SideOf(const Path& from, const Path& to, const EgoState& ego) {
+  const double s = to.centre.Project(ego.pose.position).s;
+  for (double ahead = 0.0; ahead <= kForkLookahead && s + ahead <= to.centre.length(); ahead += 1.0) {
+    const double side = from.centre.Project(to.centre.At(s + ahead)).lateral;
+    if (std::abs(side) > kForkOffset) return side;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+EgoController::EgoController(const RoadMap& map, const Route& route)
+    : paths_(std::make_shared<const std::vector<Path>>(FindPaths(map, route))),
+      initial_(PathOfRoute(*paths_, route)) {
+  Reset();
+}
+
+void EgoController::Reset() {
+  current_ = followed_ = initial_;
+  changing_lane_ = false;
+}
+
+EgoCommand EgoController::Control(const EgoState& ego, double target_speed_mps, int lane_command) {
+  Localize(ego);
+  const int before = followed_;
+  followed_ = Neighbour(ego, lane_command);
+  const Polyline::Projection projection = followed_path().centre.Project(ego.pose.position);
+  if (followed_ != before && projection.distance > kChangeBegins) changing_lane_ = true;
+  if (projection.distance < kChangeEnds) changing_lane_ = false;
+  return {std::min(target_speed_mps, CurveSpeed(ego, projection)), Steer(ego, projection)};
+}
+
+void EgoController::Localize(const EgoState& ego) {
+  double nearest = current_path().centre.Project(ego.pose.position).distance - kHysteresis;
+  for (size_t i = 0; i < paths_->size(); ++i) {
+    const Polyline::Projection projection = (*paths_)[i].centre.Project(ego.pose.position);
+    if (projection.distance < nearest && Drivable(ego, (*paths_)[i], projection)) {
+      nearest = projection.distance;
+      current_ = static_cast<int>(i);
+    }
+  }
+}
+
+int EgoController::Neighbour(const EgoState& ego, int lane_command) const {
+  int best = current_;
+  double best_side = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; lane_command != 0 && i < paths_->size(); ++i) {
+    const Path& path = (*paths_)[i];
+    if (!Drivable(ego, path, path.centre.Project(ego.pose.position))) continue;
+    const double side = lane_command * SideOf(current_path(), path, ego);
+    if (side > 0.0 && side < best_side) {
+      best_side = side;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+double EgoController::Steer(const EgoState& ego, const Polyline::Projection& projection) const {
+  const Polyline& line = followed_path().centre;
+  const double distance = changing_lane_ ? ChangingDistance(ego.speed_mps) : KeepingDistance(ego.speed_mps);
+  // The point of the path at that distance from the ego, were the path straight.
+  const double ahead =
+      std::sqrt(std::max(1.0, distance * distance - projection.distance * projection.distance));
+  const Point target = ToLocal(ego.pose, line.At(projection.s + ahead));
+  const double steering = std::atan(kWheelbase * 2.0 * target.y / Dot(target, target));
+  if (!changing_lane_) return steering;
+  const double bend = WrapAngle(line.HeadingAt(projection.s + ahead) - line.HeadingAt(projection.s)) / ahead;
+  const double along = std::atan(kWheelbase * bend);
+  return std::clamp(steering, along - kChangeSteering, along + kChangeSteering);
+}
+
+double EgoController::CurveSpeed(const EgoState& ego, const Polyline::Projection& projection) const {
+  const std::vector<double>& caps = followed_path().speed_caps;
+  const double lag_distance = kSpeedLag * ego.speed_mps;
+  const double horizon = ego.speed_mps * ego.speed_mps / (2.0 * kCurveBraking) + lag_distance;
+  double limit = std::numeric_limits<double>::infinity();
+  const auto last = static_cast<size_t>(projection.s + horizon);
+  for (auto i = static_cast<size_t>(projection.s); i <= last && i < caps.size(); ++i) {
+    const double distance = std::max(0.0, static_cast<double>(i) - projection.s - lag_distance);
+    limit = std::min(limit, std::sqrt(caps[i] * caps[i] + 2.0 * kCurveBraking * distance));
+  }
+  return limit;
+}
+
+}  // namespace dadrl
