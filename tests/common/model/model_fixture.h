@@ -1,0 +1,97 @@
+// Golden observations and networks on every instruction set, for the tests of common/model.
+#pragma once
+
+#include "common/model/networks.h"
+#include "tests/common/nn/lane_test.h"
+#include "tests/golden/golden.h"
+
+namespace dadrl {
+
+constexpr int kGoldenBatch = 18;
+
+// Observation batch `index` of the golden inputs.
+inline ObservationBatch GoldenObservations(int index) {
+  ObservationBatch batch(ObservationSpec{}, kGoldenBatch);
+  const std::string suffix = std::to_string(index);
+  batch.vehicles = golden::Floats("inputs/vehicles" + suffix);
+  batch.ego = golden::Floats("inputs/ego" + suffix);
+  batch.context = golden::Bytes("inputs/context" + suffix);
+  return batch;
+}
+
+inline Observation OneOf(const ObservationBatch& batch, const ObservationSpec& spec, int sample) {
+  Observation observation(spec);
+  const auto i = static_cast<size_t>(sample);
+  const auto take = [&](const auto& from, auto& to) {
+    std::copy_n(from.begin() + static_cast<ptrdiff_t>(i * to.size()), to.size(), to.begin());
+  };
+  take(batch.vehicles, observation.vehicles);
+  take(batch.ego, observation.ego);
+  take(batch.context, observation.context);
+  return observation;
+}
+
+// An encoder's memory and its passes over one batch, for the instruction set in use.
+class EncoderRun {
+ public:
+  EncoderRun(const Encoder& encoder, const ObservationBatch& batch, bool keep)
+      : encoder_(encoder), kernels_(nn::LaneKernelsFor(nn::ActiveIsa())), samples_(batch.size) {
+    const int blocks = nn::BlocksOf(batch.size);
+    nn::Arena measure;
+    LayOut(measure, blocks, keep);
+    arena_ = nn::Arena(measure.used());
+    LayOut(arena_, blocks, keep);
+    context_ = batch.context;
+    context_.resize(static_cast<size_t>(blocks) * nn::kLanes * ObservationSpec::kContextBytes);
+    observations_.Pack(kernels_, batch, context_.data(), 0);
+  }
+
+  std::vector<float> Forward(const float* parameters) {
+    EncoderForward(kernels_, encoder_, parameters, observations_, activations_, features_);
+    return nn::ToRowVector(features_, samples_, encoder_.features());
+  }
+
+  // feature_gradient [samples, features].
+  void Backward(const float* parameters, const std::vector<float>& feature_gradient, float* gradients) {
+    nn::FloatBuffer lanes = nn::ToLaneBuffer(feature_gradient, samples_, encoder_.features());
+    EncoderBackward(kernels_, encoder_, parameters, gradients, observations_, activations_, features_,
+                    nn::Contiguous(lanes.data(), encoder_.features()), scratch_);
+  }
+
+  const EncoderActivations& activations() const { return activations_; }
+  nn::LaneSpan features() const { return features_; }
+
+ private:
+  void LayOut(nn::Arena& arena, int blocks, bool keep) {
+    observations_ = LaneObservations(arena, encoder_.spec, blocks);
+    activations_ = EncoderActivations(arena, encoder_, blocks, keep);
+    scratch_ = EncoderScratch(arena, encoder_, blocks);
+    features_ = nn::Contiguous(arena.Allocate(static_cast<size_t>(blocks * encoder_.features() * nn::kLanes)),
+                               encoder_.features());
+  }
+
+  const Encoder& encoder_;
+  const nn::LaneKernels& kernels_;
+  int samples_;
+  nn::Arena arena_;
+  std::vector<uint8_t> context_;
+  LaneObservations observations_;
+  EncoderActivations activations_;
+  EncoderScratch scratch_;
+  nn::LaneSpan features_;
+};
+
+// Chooses the instruction set for the test and puts the former one back.
+class ModelOnEveryIsa : public nn::EveryIsa {
+ protected:
+  void SetUp() override {
+    EveryIsa::SetUp();
+    if (!IsSkipped()) ASSERT_TRUE(nn::SetIsa(GetParam()));
+  }
+  void TearDown() override { nn::SetIsa(before_); }
+
+ private:
+  nn::Isa before_ = nn::ActiveIsa();
+};
+
+}  // namespace dadrl
