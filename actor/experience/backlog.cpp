@@ -15,9 +15,9 @@ void Backlog::Add(Chunk chunk) {
 
 Backlog::AckEffect Backlog::OnAcknowledgement(uint64_t stored, uint64_t granted, TimePoint now) {
   if (stored > last_) return AckEffect::kAlien;
-  heard_ = true;
-  granted_ = granted;
-  if (stored < acknowledged_) return AckEffect::kForgotten;
+  heard_ = stored >= acknowledged_;
+  granted_ = std::max(granted, acknowledged_);
+  if (!heard_) return AckEffect::kForgotten;
   if (stored > acknowledged_) {
     progress_ = now;
     resend_after_ = kFirstResend;

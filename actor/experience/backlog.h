@@ -29,8 +29,9 @@ class Backlog {
 
   enum class AckEffect {
     kAccepted,
-    kForgotten,  // the replay stores less than it once said: what lies between is lost
-    kAlien,      // acknowledges what was never produced; ignored
+    kForgotten,  // the replay stores less than it once said: what lies between is lost, and one chunk tells
+                 // it where we are
+    kAlien,  // acknowledges what was never produced; ignored
   };
 
   // Sequences must be consecutive, from 1.
@@ -46,6 +47,8 @@ class Backlog {
   void OnSent(TimePoint now);
 
   uint64_t last_sequence() const { return last_; }
+  // The lowest that can still be sent.
+  uint64_t oldest_kept() const { return acknowledged_ + 1; }
   uint64_t acknowledged() const { return acknowledged_; }
   uint64_t granted() const { return granted_; }
   size_t bytes() const { return bytes_; }

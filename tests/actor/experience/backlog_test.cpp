@@ -109,15 +109,21 @@ TEST_F(BacklogTest, IgnoresAcknowledgementsOfWhatWasNeverMade) {
   EXPECT_EQ(backlog_.granted(), 0);
 }
 
-TEST_F(BacklogTest, SaysWhenTheReplayHasForgotten) {
-  Add(5);
-  Acknowledge(0, 5);
+TEST_F(BacklogTest, TellsAReplayThatHasForgottenWhereItIs) {
+  Add(9);
+  Acknowledge(0, 9);
   SendAll();
-  Acknowledge(4, 5);
-  EXPECT_EQ(Acknowledge(2, 8), Backlog::AckEffect::kForgotten);
-  Add(1);
-  EXPECT_EQ(SendAll(), Sequences({6}));
-  EXPECT_EQ(backlog_.acknowledged(), 4);
+  Acknowledge(8, 9);
+  EXPECT_EQ(Acknowledge(2, 5), Backlog::AckEffect::kForgotten);
+  EXPECT_EQ(backlog_.acknowledged(), 8);
+  EXPECT_EQ(backlog_.granted(), 8) << "what was taken was granted";
+  backlog_.OnNewPeer(clock_.Now());
+  EXPECT_EQ(Acknowledge(2, 5), Backlog::AckEffect::kForgotten);
+  Add(3);
+  EXPECT_EQ(backlog_.oldest_kept(), 9);
+  EXPECT_EQ(SendAll(), Sequences({9})) << "its grant says nothing about what it does not know";
+  Acknowledge(9, 12);  // it has skipped what cannot come
+  EXPECT_EQ(SendAll(), Sequences({10, 11, 12}));
 }
 
 TEST_F(BacklogTest, AnAcknowledgementFromBeforeTheCrashMovesThePointerForward) {

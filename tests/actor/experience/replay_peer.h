@@ -94,14 +94,17 @@ class ReplayPeer {
           --lose_;
           return;
         }
-        Store(*view);
+        Store(*view, message.oldest_kept);
       });
       if (incarnation_ != 0 && acknowledging_) Acknowledge();
     }
   }
-  void Store(const ChunkView& view) {
+  void Store(const ChunkView& view, uint64_t oldest_kept) {
     MutexLock lock(disk_.mutex);
     const uint64_t sequence = view.header().identity.sequence;
+    EXPECT_GE(oldest_kept, 1);
+    EXPECT_LE(oldest_kept, sequence);
+    EXPECT_LE(oldest_kept, disk_.chunks.size() + 1) << "the actor dropped what was not stored";
     if (sequence <= disk_.chunks.size()) ++disk_.duplicates;
     if (sequence != disk_.chunks.size() + 1) return;
     ReplayDisk::Stored stored{sequence, view.header().episode, view.header().first_frame, {}};
