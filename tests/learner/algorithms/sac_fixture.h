@@ -1,0 +1,78 @@
+// Batches and state access for the tests of SAC.
+#pragma once
+
+#include <cstring>
+#include <memory>
+
+#include "learner/algorithms/sac.h"
+#include "tests/golden/golden.h"
+
+namespace dadrl {
+
+// Hands out prepared draws in the order in which they are asked for.
+class RecordedNoise final : public NoiseSource {
+ public:
+  void Push(std::vector<float> values) { draws_.insert(draws_.end(), values.begin(), values.end()); }
+  void Fill(std::span<float> values) override {
+    ASSERT_LE(next_ + values.size(), draws_.size());
+    std::copy_n(draws_.begin() + static_cast<ptrdiff_t>(next_), values.size(), values.begin());
+    next_ += values.size();
+  }
+  std::span<std::byte> state() override { return std::as_writable_bytes(std::span(&next_, 1)); }
+
+ private:
+  std::vector<float> draws_;
+  size_t next_ = 0;
+};
+
+// Any batch: plausible values, some absent vehicles, a termination; the same for the same salt.
+inline TransitionBatch AnyBatch(const ObservationSpec& spec, int size, uint64_t salt) {
+  TransitionBatch batch(spec, size);
+  const auto fill = [&](std::vector<float>& values, float scale) {
+    std::ranges::copy(golden::Uniform(salt++, values.size(), scale), values.begin());
+  };
+  for (ObservationBatch* observation : {&batch.observation, &batch.next_observation}) {
+    fill(observation->vehicles, 1.0f);
+    fill(observation->ego, 1.0f);
+    const std::vector<float> bits = golden::Uniform(salt++, observation->context.size(), 128.0f);
+    std::ranges::transform(bits, observation->context.begin(),
+                           [](float value) { return static_cast<uint8_t>(value + 128.0f); });
+  }
+  fill(batch.action, 0.99f);
+  fill(batch.reward, 1.0f);
+  std::ranges::fill(batch.discount, 0.99f);
+  batch.discount.front() = 0.0f;
+  return batch;
+}
+
+inline std::span<std::byte> BlockOf(Algorithm& algorithm, const std::string& name) {
+  for (const StateBlock& block : algorithm.state()) {
+    if (block.name == name) return block.bytes;
+  }
+  ADD_FAILURE() << "no state " << name;
+  return {};
+}
+
+inline std::span<float> FloatsOf(Algorithm& algorithm, const std::string& name) {
+  const std::span<std::byte> bytes = BlockOf(algorithm, name);
+  return {reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float)};
+}
+
+// All state in one piece.
+inline std::vector<std::byte> Snapshot(Algorithm& algorithm) {
+  std::vector<std::byte> all;
+  for (const StateBlock& block : algorithm.state())
+    all.insert(all.end(), block.bytes.begin(), block.bytes.end());
+  return all;
+}
+
+inline void Restore(Algorithm& algorithm, const std::vector<std::byte>& snapshot) {
+  size_t at = 0;
+  for (const StateBlock& block : algorithm.state()) {
+    std::memcpy(block.bytes.data(), snapshot.data() + at, block.bytes.size());
+    at += block.bytes.size();
+  }
+  EXPECT_EQ(at, snapshot.size());
+}
+
+}  // namespace dadrl
