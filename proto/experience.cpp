@@ -150,6 +150,7 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   view.flags_ = view.rewards_ + frames * 4;
   view.offsets_ = view.flags_ + PaddedFlags(frames);
   view.payloads_ = view.offsets_ + (frames + 1) * 4;
+  view.payload_bytes_ = payload_bytes;
   if (header.identity.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.identity.sequence,
                 header.first_frame);
@@ -159,6 +160,14 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   }
   DADRL_RETURN_IF_ERROR(view.CheckFrames());
   return view;
+}
+
+void ChunkView::Rebase(std::span<const std::byte> copy) {
+  assert(copy.size() == bytes_.size());
+  for (const std::byte** column : {&policy_versions_, &actions_, &rewards_, &flags_, &offsets_, &payloads_}) {
+    *column = copy.data() + (*column - bytes_.data());
+  }
+  bytes_ = copy;
 }
 
 Status ChunkView::CheckFrames() const {

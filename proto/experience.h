@@ -123,6 +123,9 @@ class ChunkView {
   // checksum; not the payloads. Never reads outside `bytes`. kCorrupt with what was wrong.
   static Result<ChunkView> Parse(std::span<const std::byte> bytes);
 
+  // Looks at `copy` from now on: the same bytes at another place. Nothing is checked again.
+  void Rebase(std::span<const std::byte> copy);
+
   const ChunkHeader& header() const { return header_; }
   int frames() const { return static_cast<int>(header_.frames); }
   uint32_t policy_version(int frame) const;
@@ -130,8 +133,9 @@ class ChunkView {
   float reward(int frame) const;
   uint8_t flags(int frame) const;
   std::span<const std::byte> payload(int frame) const;
-  // Serialised length of the payloads of frames [0, frame).
+  // Where the payload of `frame` begins among the payloads; offset(frames()) is their end.
   uint32_t offset(int frame) const;
+  size_t payload_bytes() const { return payload_bytes_; }
   std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
@@ -139,6 +143,7 @@ class ChunkView {
 
   std::span<const std::byte> bytes_;
   ChunkHeader header_;
+  size_t payload_bytes_ = 0;
   const std::byte* policy_versions_ = nullptr;
   const std::byte* actions_ = nullptr;
   const std::byte* rewards_ = nullptr;

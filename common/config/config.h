@@ -78,9 +78,10 @@ struct ReplayConfig {
   SyncMode sync = SyncMode::kInterval;
   double sync_interval_s = 1.0;
   int64_t min_size = 2000;          // frames before the first sample
-  double samples_per_insert = 8.0;  // sampled transitions per inserted frame; 0: no limit
-  double samples_per_insert_band =
-      0.5;  // tolerated deviation, as a fraction of max(min_size, frames) * ratio
+  double samples_per_insert = 8.0;  // sampling waits above it (transitions per inserted frame); 0: never
+  double min_samples_per_insert = 0.0;   // actors wait below it; 0: never
+  double samples_per_insert_band = 0.5;  // tolerated deviation of both, in inserts, as a multiple of min_size
+  bool verify_frames = true;             // decode each frame once before it is stored
   SamplerKind sampler = SamplerKind::kUniform;
   double priority_exponent = 0.6;
   double importance_exponent = 0.4;

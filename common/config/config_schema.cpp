@@ -107,9 +107,13 @@ void AddReplay(SchemaBuilder& b, Config& c) {
   b.Add("replay.sync_interval_s", r.sync_interval_s, 0.01, 3600, "Seconds between two forced writes");
   b.Add("replay.min_size", r.min_size, 1, kHuge, "Frames held before the first sample");
   b.Add("replay.samples_per_insert", r.samples_per_insert, 0, 1e6,
-        "Sampled transitions per inserted frame the limiter aims at; 0 is no limit");
+        "Sampled transitions per inserted frame above which sampling waits; 0 is never");
+  b.Add("replay.min_samples_per_insert", r.min_samples_per_insert, 0, 1e6,
+        "Sampled transitions per inserted frame below which actors wait; 0 is never");
   b.Add("replay.samples_per_insert_band", r.samples_per_insert_band, 0.01, 1e6,
-        "Tolerated deviation, as a multiple of min_size * samples_per_insert");
+        "Tolerated deviation of both, in inserted frames, as a multiple of min_size");
+  b.Add("replay.verify_frames", r.verify_frames,
+        "Decode each frame once before it is stored: a faulty actor cannot poison batches; 2 us a frame");
   b.AddChoice("replay.sampler", r.sampler, {"uniform", "prioritized", "newest_first", "oldest_first"},
               "How items are drawn");
   b.Add("replay.priority_exponent", r.priority_exponent, 0, 2, "alpha of prioritised replay");

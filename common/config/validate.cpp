@@ -23,6 +23,19 @@ Status Validate(const Config& config) {
     return Fail(ErrorCode::kInvalidArgument, "replay.segment_bytes: {} exceeds replay.max_disk_bytes: {}",
                 config.replay.segment_bytes, config.replay.max_disk_bytes);
   }
+  const ReplayConfig& replay = config.replay;
+  if (replay.samples_per_insert > 0.0 && replay.min_samples_per_insert > replay.samples_per_insert) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
+                replay.min_samples_per_insert, replay.samples_per_insert);
+  }
+  const bool ordered =
+      replay.sampler == SamplerKind::kNewestFirst || replay.sampler == SamplerKind::kOldestFirst;
+  if (ordered && replay.max_times_sampled == 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.max_times_sampled: 0 with an ordered replay.sampler draws one item for ever; set it "
+                "to at least 1");
+  }
   return {};
 }
 

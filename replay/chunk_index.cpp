@@ -1,0 +1,274 @@
+#include "replay/chunk_index.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace dadrl {
+namespace {
+
+constexpr uint32_t kNoSlot = std::numeric_limits<uint32_t>::max();
+// A key is segment id, chunk within it, frame within that: unique for ever, found without a map.
+constexpr int kFrameBits = 6;
+constexpr int kChunkBits = 26;
+static_assert(kMaxChunkFrames <= 1 << kFrameBits);
+
+}  // namespace
+
+struct ChunkIndex::StoredChunk {
+  ChunkView view;
+  StoredSegment* segment = nullptr;
+  uint32_t number = 0;          // within the segment
+  uint32_t actions = 0;         // frames with one
+  uint32_t oldest_version = 0;  // of the policies that acted in it
+  StoredChunk* next = nullptr;  // of the same episode; never older, so it is not dropped before this one
+  std::vector<uint32_t> slots;  // by frame; kNoSlot: no item
+};
+
+struct ChunkIndex::StoredSegment {
+  std::shared_ptr<const Segment> segment;
+  std::deque<StoredChunk> chunks;
+};
+
+ChunkIndex::ChunkIndex(const Options& options)
+    : options_(options), selector_(MakeSelector(options.sampler, options.priority_exponent)) {}
+ChunkIndex::~ChunkIndex() = default;
+
+uint64_t ChunkIndex::KeyOf(const StoredChunk& chunk, int frame) {
+  return (chunk.segment->segment->id() << kChunkBits | chunk.number) << kFrameBits |
+         static_cast<uint64_t>(frame);
+}
+
+void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkView& chunk) {
+  if (segments_.empty() || segments_.back()->segment != segment) {
+    segments_.push_back(std::make_unique<StoredSegment>());
+    segments_.back()->segment = segment;
+  }
+  StoredSegment& home = *segments_.back();
+  StoredChunk& stored = home.chunks.emplace_back();
+  stored.view = chunk;
+  stored.segment = &home;
+  stored.number = static_cast<uint32_t>(home.chunks.size() - 1);
+  stored.slots.assign(static_cast<size_t>(chunk.frames()), kNoSlot);
+  ++chunk_count_;
+  AddFrames(stored, Continue(stored));
+}
+
+ChunkIndex::OpenEpisode& ChunkIndex::Continue(StoredChunk& chunk) {
+  const ChunkHeader& header = chunk.view.header();
+  OpenEpisode& episode = episodes_[header.identity.actor];
+  const bool starts_with_final = (chunk.view.flags(0) & kHasAction) == 0;
+  const bool continues = episode.last != nullptr && episode.incarnation == header.identity.incarnation &&
+                         episode.episode == header.episode && episode.next_frame == header.first_frame &&
+                         episode.truncated == starts_with_final;
+  if (continues) {
+    episode.last->next = &chunk;
+  } else {
+    episode.pending.clear();
+    episode.incarnation = header.identity.incarnation;
+    episode.episode = header.episode;
+  }
+  episode.last = &chunk;
+  episode.next_frame = header.first_frame + header.frames;
+  return episode;
+}
+
+void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
+  const auto n_step = static_cast<size_t>(options_.n_step);
+  chunk.oldest_version = std::numeric_limits<uint32_t>::max();
+  uint8_t flags = 0;
+  for (int frame = 0; frame < chunk.view.frames(); ++frame) {
+    flags = chunk.view.flags(frame);
+    if ((flags & kHasAction) == 0) {
+      Release(episode, episode.pending.size());
+      continue;
+    }
+    ++chunk.actions;
+    chunk.oldest_version = std::min(chunk.oldest_version, chunk.view.policy_version(frame));
+    // This frame is the observation that slices which end here bootstrap from.
+    if (episode.pending.size() == n_step) Release(episode, 1);
+    episode.pending.push_back({&chunk, 0, static_cast<uint8_t>(frame)});
+    if ((flags & kTerminated) != 0) Release(episode, episode.pending.size());
+  }
+  frames_ += chunk.actions;
+  episode.truncated = (flags & kTruncated) != 0;
+  const bool ended = (flags & kHasAction) == 0 || (flags & kTerminated) != 0;
+  if (ended) episode.last = nullptr;
+}
+
+void ChunkIndex::Release(OpenEpisode& episode, size_t count) {
+  for (; count > 0; --count) {
+    MakeItem(episode.pending.front());
+    episode.pending.pop_front();
+  }
+}
+
+void ChunkIndex::MakeItem(const Item& item) {
+  if (TooStale(item.chunk->view.policy_version(item.frame))) return;
+  uint32_t slot = static_cast<uint32_t>(items_.size());
+  if (free_slots_.empty()) {
+    items_.push_back(item);
+  } else {
+    slot = free_slots_.back();
+    free_slots_.pop_back();
+    items_[slot] = item;
+  }
+  item.chunk->slots[item.frame] = slot;
+  selector_->Insert(slot, max_priority_);
+  draws_left_ += static_cast<uint64_t>(options_.max_times_sampled);
+}
+
+void ChunkIndex::RemoveItem(uint32_t slot) {
+  Item& item = items_[slot];
+  selector_->Delete(slot);
+  draws_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
+                 (options_.max_times_sampled > 0 ? item.times_sampled : 0);
+  item.chunk->slots[item.frame] = kNoSlot;
+  item = {};
+  free_slots_.push_back(slot);
+}
+
+void ChunkIndex::DropSegmentsBefore(uint64_t segment) {
+  while (!segments_.empty() && segments_.front()->segment->id() < segment) DropOldest();
+}
+
+void ChunkIndex::DropOldest() {
+  StoredSegment& oldest = *segments_.front();
+  // An episode that was open in it cannot be continued: its first frames are gone. Those pending in later
+  // segments may go on.
+  for (auto& [actor, episode] : episodes_) {
+    if (episode.last != nullptr && episode.last->segment == &oldest) episode.last = nullptr;
+    std::erase_if(episode.pending, [&](const Item& item) { return item.chunk->segment == &oldest; });
+  }
+  for (StoredChunk& chunk : oldest.chunks) {
+    for (const uint32_t slot : chunk.slots) {
+      if (slot != kNoSlot) RemoveItem(slot);
+    }
+    frames_ -= chunk.actions;
+  }
+  chunk_count_ -= oldest.chunks.size();
+  segments_.pop_front();
+}
+
+bool ChunkIndex::CanDraw(size_t count) const {
+  return items() > 0 && (options_.max_times_sampled == 0 || draws_left_ >= count);
+}
+
+DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
+  assert(CanDraw(count) && n_step >= 1 && n_step <= options_.n_step);
+  DrawnItems drawn;
+  drawn.items.reserve(count);
+  const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
+  for (size_t i = 0; i < count; ++i) {
+    const Selector::Draw draw = selector_->Sample(random);
+    Item& item = items_[draw.slot];
+    DrawnItems::Item& out = drawn.items.emplace_back();
+    out.key = KeyOf(*item.chunk, item.frame);
+    out.frame = item.frame;
+    out.probability = static_cast<float>(draw.probability);
+    AddChunks(*item.chunk, item.frame, n_step, drawn);
+    ++item.times_sampled;
+    if (limit == 0) continue;
+    --draws_left_;
+    if (item.times_sampled >= limit) RemoveItem(draw.slot);
+  }
+  SetImportance(drawn);
+  return drawn;
+}
+
+// The chunks that hold frames `frame` to `frame` + `n_step`, as far as the episode goes.
+void ChunkIndex::AddChunks(const StoredChunk& first, int frame, int n_step, DrawnItems& drawn) const {
+  DrawnItems::Item& item = drawn.items.back();
+  item.first_chunk = drawn.chunks.size();
+  int left = frame + n_step + 1;
+  for (const StoredChunk* chunk = &first; chunk != nullptr && left > 0; chunk = chunk->next) {
+    drawn.chunks.push_back(chunk->view);
+    left -= chunk->view.frames();
+    const auto& segment = chunk->segment->segment;
+    if (drawn.segments.empty() || drawn.segments.back() != segment) drawn.segments.push_back(segment);
+  }
+  item.chunk_count = drawn.chunks.size() - item.first_chunk;
+}
+
+// (N P)^-beta, scaled so that the largest of the batch is 1 (Schaul et al., 2016).
+void ChunkIndex::SetImportance(DrawnItems& drawn) const {
+  if (options_.sampler != SamplerKind::kPrioritized) return;
+  double least = std::numeric_limits<double>::max();
+  for (const auto& item : drawn.items) least = std::min(least, static_cast<double>(item.probability));
+  for (auto& item : drawn.items) {
+    item.importance_weight = static_cast<float>(
+        std::pow(least / static_cast<double>(item.probability), options_.importance_exponent));
+  }
+}
+
+ChunkIndex::StoredChunk* ChunkIndex::Find(uint64_t key) {
+  const uint64_t id = key >> (kChunkBits + kFrameBits);
+  const auto number = static_cast<size_t>(key >> kFrameBits & ((uint64_t{1} << kChunkBits) - 1));
+  const auto found =
+      std::lower_bound(segments_.begin(), segments_.end(), id,
+                       [](const auto& stored, uint64_t wanted) { return stored->segment->id() < wanted; });
+  if (found == segments_.end() || (*found)->segment->id() != id) return nullptr;
+  auto& chunks = (*found)->chunks;
+  return number < chunks.size() ? &chunks[number] : nullptr;
+}
+
+void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
+  if (!std::isfinite(priority) || priority < 0.0) return;
+  StoredChunk* chunk = Find(key);
+  const auto frame = static_cast<size_t>(key & ((uint64_t{1} << kFrameBits) - 1));
+  if (chunk == nullptr || frame >= chunk->slots.size() || chunk->slots[frame] == kNoSlot) return;
+  max_priority_ = std::max(max_priority_, priority);
+  selector_->Update(chunk->slots[frame], priority);
+}
+
+bool ChunkIndex::TooStale(uint32_t policy_version) const {
+  const auto limit = static_cast<uint32_t>(options_.max_staleness);
+  return limit > 0 && newest_version_ > policy_version && newest_version_ - policy_version > limit;
+}
+
+void ChunkIndex::SetNewestVersion(uint32_t version) {
+  if (version <= newest_version_) return;
+  newest_version_ = version;
+  if (options_.max_staleness == 0) return;
+  for (const auto& segment : segments_) {
+    for (StoredChunk& chunk : segment->chunks) RemoveStale(chunk);
+  }
+}
+
+void ChunkIndex::RemoveStale(StoredChunk& chunk) {
+  if (!TooStale(chunk.oldest_version)) return;
+  uint32_t oldest_left = std::numeric_limits<uint32_t>::max();
+  for (int frame = 0; frame < chunk.view.frames(); ++frame) {
+    if ((chunk.view.flags(frame) & kHasAction) == 0) continue;
+    const uint32_t version = chunk.view.policy_version(frame);
+    const uint32_t slot = chunk.slots[static_cast<size_t>(frame)];
+    if (!TooStale(version)) {
+      oldest_left = std::min(oldest_left, version);
+    } else if (slot != kNoSlot) {
+      RemoveItem(slot);
+    }
+  }
+  chunk.oldest_version = oldest_left;
+}
+
+uint64_t ChunkIndex::FramesAfter(uint64_t segment) const {
+  uint64_t frames = 0;
+  for (const auto& stored : segments_) {
+    if (stored->segment->id() <= segment) continue;
+    for (const StoredChunk& chunk : stored->chunks) frames += chunk.actions;
+  }
+  return frames;
+}
+
+size_t ChunkIndex::memory_bytes() const {
+  constexpr size_t kHeapOverhead = 16;  // of one allocation
+  const size_t chunks = chunk_count_ * (sizeof(StoredChunk) + kHeapOverhead);
+  const size_t slots = frames_ * sizeof(uint32_t);
+  const size_t item = sizeof(Item) + sizeof(uint32_t) + selector_->bytes_per_item();
+  return chunks + slots + items() * item;
+}
+
+}  // namespace dadrl

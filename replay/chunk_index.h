@@ -1,0 +1,105 @@
+// The table of contents: which frames of the stored chunks can be sampled, and where they are.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/util/random.h"
+#include "proto/experience.h"
+#include "replay/sampling/selector.h"
+#include "replay/slice.h"
+#include "replay/storage/segment.h"
+
+namespace dadrl {
+
+// An item is a frame with an action whose n-step slice is complete: n frames of its episode follow, or the
+// episode's end. The last items of an episode that breaks off (its actor died, a chunk was lost) never become
+// items. Not thread safe; reads chunks' columns, never payloads.
+class ChunkIndex {
+ public:
+  struct Options {
+    int n_step = 1;
+    SamplerKind sampler = SamplerKind::kUniform;
+    double priority_exponent = 0.6;
+    double importance_exponent = 0.4;
+    int max_times_sampled = 0;  // 0: no limit
+    int max_staleness = 0;      // policy versions behind the newest; 0: no limit
+  };
+
+  explicit ChunkIndex(const Options& options);
+  ~ChunkIndex();
+
+  // Chunks come in the order of the log. `chunk` looks into memory of `segment`.
+  void Add(const std::shared_ptr<const Segment>& segment, const ChunkView& chunk);
+  // Forgets the chunks of segments with a lower id, and their items.
+  void DropSegmentsBefore(uint64_t segment);
+
+  // Items that can be drawn.
+  size_t items() const { return selector_->size(); }
+  // Draws left until every item has been sampled max_times_sampled times; without that limit, as many as you
+  // like once there is an item.
+  bool CanDraw(size_t count) const;
+  // Needs CanDraw(count) and n_step of at most the option's.
+  DrawnItems Draw(size_t count, int n_step, Random& random);
+
+  // Unknown or dropped keys and priorities that are not finite or negative are ignored.
+  void UpdatePriority(uint64_t key, double priority);
+  // Drops the items that are too stale by now, if there is a limit.
+  void SetNewestVersion(uint32_t version);
+
+  uint64_t frames() const { return frames_; }    // with an action
+  uint64_t FramesAfter(uint64_t segment) const;  // of them, in segments with a higher id
+  uint64_t chunks() const { return chunk_count_; }
+  // Of what is held now (the vectors behind it keep their largest size).
+  size_t memory_bytes() const;
+
+ private:
+  struct StoredChunk;
+  struct StoredSegment;
+  struct Item {
+    StoredChunk* chunk = nullptr;
+    uint32_t times_sampled = 0;
+    uint8_t frame = 0;
+  };
+  // The episode an actor is in: what its next chunk may continue.
+  struct OpenEpisode {
+    uint64_t incarnation = 0;
+    uint64_t episode = 0;
+    uint32_t next_frame = 0;
+    bool truncated = false;       // only the final frame may follow
+    StoredChunk* last = nullptr;  // null: nothing to continue
+    std::deque<Item> pending;     // frames whose slices are not complete yet
+  };
+
+  static uint64_t KeyOf(const StoredChunk& chunk, int frame);
+  OpenEpisode& Continue(StoredChunk& chunk);
+  void AddFrames(StoredChunk& chunk, OpenEpisode& episode);
+  void Release(OpenEpisode& episode, size_t count);
+  void MakeItem(const Item& item);
+  void RemoveItem(uint32_t slot);
+  void RemoveStale(StoredChunk& chunk);
+  bool TooStale(uint32_t policy_version) const;
+  void DropOldest();
+  void AddChunks(const StoredChunk& first, int frame, int n_step, DrawnItems& drawn) const;
+  void SetImportance(DrawnItems& drawn) const;
+  StoredChunk* Find(uint64_t key);
+
+  const Options options_;
+  std::unique_ptr<Selector> selector_;
+  std::deque<std::unique_ptr<StoredSegment>> segments_;
+  std::vector<Item> items_;  // by slot
+  std::vector<uint32_t> free_slots_;
+  std::unordered_map<uint32_t, OpenEpisode> episodes_;  // by actor
+  uint64_t frames_ = 0;
+  uint64_t chunk_count_ = 0;
+  uint64_t draws_left_ = 0;  // over all items; counts only with max_times_sampled
+  double max_priority_ = 1.0;
+  uint32_t newest_version_ = 0;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,83 @@
+#include "replay/rate_limiter.h"
+
+#include <algorithm>
+
+namespace dadrl {
+
+void RateLimiter::Stopwatch::Set(bool waiting, TimePoint now) {
+  if (waiting == running) return;
+  if (waiting) {
+    ++total.count;
+    since = now;
+  } else {
+    total.seconds += ToSeconds(now - since);
+  }
+  running = waiting;
+}
+
+RateLimiter::Wait RateLimiter::Stopwatch::At(TimePoint now) const {
+  Wait wait = total;
+  if (running) wait.seconds += ToSeconds(now - since);
+  return wait;
+}
+
+void RateLimiter::Reconfigure(const Options& options) {
+  options_ = options;
+  Restore(state_);
+}
+
+void RateLimiter::Restore(const State& state) {
+  state_ = state;
+  state_.sample_credit = std::min(state_.sample_credit, MaxCredit());
+}
+
+bool RateLimiter::SamplingOpen(int64_t count) const {
+  if (options_.max_samples_per_insert <= 0.0) return true;
+  return state_.sample_credit >= std::min(static_cast<double>(count), MaxCredit());
+}
+
+RateLimiter::Hold RateLimiter::MaySample(int64_t count, int64_t size) {
+  last_request_ = count;
+  Hold hold = Hold::kNone;
+  if (size < std::max<int64_t>(options_.min_size, 1)) {
+    hold = Hold::kMinimumSize;
+  } else if (!SamplingOpen(count)) {
+    hold = Hold::kSamplesPerInsert;
+  }
+  const TimePoint now = clock_.Now();
+  minimum_size_.Set(hold == Hold::kMinimumSize, now);
+  inserts_.Set(hold == Hold::kSamplesPerInsert, now);
+  return hold;
+}
+
+bool RateLimiter::MayInsert(int64_t size) {
+  const double max_debt = options_.band * options_.min_samples_per_insert;
+  const bool may = options_.min_samples_per_insert <= 0.0 || state_.insert_debt <= max_debt ||
+                   size < std::max<int64_t>(options_.min_size, 1) || !SamplingOpen(last_request_);
+  samples_.Set(!may, clock_.Now());
+  return may;
+}
+
+void RateLimiter::OnInsert(int64_t frames) {
+  const int64_t before = std::max(state_.inserted, options_.min_size);
+  state_.inserted += frames;
+  const auto owing = static_cast<double>(std::max<int64_t>(state_.inserted - before, 0));
+  state_.insert_debt += owing * options_.min_samples_per_insert;
+  const double earned = static_cast<double>(frames) * options_.max_samples_per_insert;
+  state_.sample_credit = std::min(state_.sample_credit + earned, MaxCredit());
+}
+
+void RateLimiter::OnSample(int64_t count) {
+  const auto samples = static_cast<double>(count);
+  state_.sampled += count;
+  if (options_.max_samples_per_insert > 0.0) state_.sample_credit -= samples;
+  // Sampling more than was owed is not saved up either.
+  state_.insert_debt = std::max(state_.insert_debt - samples, 0.0);
+}
+
+RateLimiter::Waits RateLimiter::waits() const {
+  const TimePoint now = clock_.Now();
+  return {minimum_size_.At(now), inserts_.At(now), samples_.At(now)};
+}
+
+}  // namespace dadrl

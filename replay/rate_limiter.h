@@ -1,0 +1,92 @@
+// How fast experience may be sampled in proportion to how fast it comes in, and the other way round.
+//
+// Two independent bounds, each a bucket, so that neither remembers more than its band:
+//  - sampling may not run ahead: each inserted frame earns `max_samples_per_insert` samples, at most `band`
+//    frames' worth are saved up. (Without the cap, an hour of fast actors would later allow an hour of
+//    training on what has gone stale.) 0: no bound.
+//  - inserting may not run ahead: each inserted frame after the first `min_size` owes
+//  `min_samples_per_insert`
+//    samples; more than `band` frames' worth of debt hold inserts back. 0, the default: actors are never held
+//    back, since fresh and plentiful experience helps off-policy learning, and the oldest is dropped first.
+//
+// Never a deadlock: below `min_size` inserts are always allowed, and whenever sampling has to wait for
+// inserts, inserts are allowed whatever the debt.
+#pragma once
+
+#include <cstdint>
+
+#include "common/util/clock.h"
+
+namespace dadrl {
+
+// Not thread safe.
+class RateLimiter {
+ public:
+  struct Options {
+    int64_t min_size = 1;  // sampleable items before the first sample
+    double max_samples_per_insert = 0.0;
+    double min_samples_per_insert = 0.0;
+    double band = 1000.0;  // frames
+  };
+  // Why sampling has to wait.
+  enum class Hold { kNone, kMinimumSize, kSamplesPerInsert };
+  // Cumulative waiting by reason: how often one began, and for how long.
+  struct Wait {
+    uint64_t count = 0;
+    double seconds = 0.0;
+  };
+  struct Waits {
+    Wait for_minimum_size;
+    Wait for_inserts;  // samples per insert at its maximum
+    Wait for_samples;  // samples per insert at its minimum: inserts held back
+  };
+  // What a restart restores.
+  struct State {
+    int64_t inserted = 0;  // frames since the run began
+    int64_t sampled = 0;   // transitions since the run began
+    double sample_credit = 0.0;
+    double insert_debt = 0.0;
+  };
+
+  // Borrows `clock`, which only measures the waits.
+  RateLimiter(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
+
+  // New bounds from now on; credit and debt are clamped to the new band.
+  void Reconfigure(const Options& options);
+
+  // May `count` transitions be sampled now, of `size` sampleable items? Starts or ends a counted wait. A
+  // request larger than the band is served once the band is full.
+  Hold MaySample(int64_t count, int64_t size);
+  // May more frames come in? Starts or ends a counted wait. Advice for the senders: what arrives is stored.
+  bool MayInsert(int64_t size);
+
+  void OnInsert(int64_t frames);
+  void OnSample(int64_t count);
+
+  const State& state() const { return state_; }
+  void Restore(const State& state);
+  // The running waits included.
+  Waits waits() const;
+
+ private:
+  // One reason's wait, running or not.
+  struct Stopwatch {
+    Wait total;
+    bool running = false;
+    TimePoint since{};
+    void Set(bool waiting, TimePoint now);
+    Wait At(TimePoint now) const;
+  };
+  double MaxCredit() const { return options_.band * options_.max_samples_per_insert; }
+  bool SamplingOpen(int64_t count) const;
+
+  Options options_;
+  const Clock& clock_;
+  State state_;
+  int64_t last_request_ = 1;
+  Stopwatch minimum_size_;
+  Stopwatch inserts_;
+  Stopwatch samples_;
+};
+
+}  // namespace dadrl

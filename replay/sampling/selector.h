@@ -1,0 +1,36 @@
+// How items are drawn. Items are small integers ("slots") that the table hands out densely and reuses.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/config/config.h"
+#include "common/util/random.h"
+
+namespace dadrl {
+
+// Not thread safe. Every operation is O(1) or O(log n); memory is O(largest slot).
+class Selector {
+ public:
+  struct Draw {
+    uint32_t slot = 0;
+    double probability = 1.0;  // of this slot in this draw
+  };
+
+  virtual ~Selector() = default;
+  // `slot` is not in; `priority` is finite and not negative, and ignored where order decides.
+  virtual void Insert(uint32_t slot, double priority) = 0;
+  // `slot` is in.
+  virtual void Delete(uint32_t slot) = 0;
+  virtual void Update(uint32_t slot, double priority) = 0;
+  // Not empty.
+  virtual Draw Sample(Random& random) = 0;
+  virtual size_t size() const = 0;
+  // Memory an item costs, for the bound on it.
+  virtual size_t bytes_per_item() const = 0;
+};
+
+// `priority_exponent` is the alpha of prioritised replay (Schaul et al., 2016); others ignore it.
+std::unique_ptr<Selector> MakeSelector(SamplerKind kind, double priority_exponent);
+
+}  // namespace dadrl

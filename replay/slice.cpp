@@ -1,0 +1,81 @@
+#include "replay/slice.h"
+
+#include <optional>
+#include <utility>
+
+namespace dadrl {
+namespace {
+
+// A position in an episode, over the chunks of one item.
+struct Cursor {
+  std::span<const ChunkView> chunks;
+  int frame = 0;
+
+  const ChunkView& chunk() const { return chunks.front(); }
+  bool Advance() {
+    if (++frame < chunk().frames()) return true;
+    chunks = chunks.subspan(1);
+    frame = 0;
+    return !chunks.empty();
+  }
+};
+
+// Nothing when the offsets do not fit the chunk: it was sound when it was stored.
+std::optional<std::span<const std::byte>> Payload(const Cursor& at) {
+  const uint32_t begin = at.chunk().offset(at.frame);
+  const uint32_t end = at.chunk().offset(at.frame + 1);
+  if (begin >= end || end > at.chunk().payload_bytes()) return std::nullopt;
+  return at.chunk().payload(at.frame);
+}
+
+// Fills `item` with up to `n_step` steps; their rewards go to the end of `rewards`. False when the stored
+// bytes make no slice.
+bool Assemble(Cursor at, int n_step, SampledItem& item, std::vector<float>& rewards) {
+  const auto first = Payload(at);
+  if (!first) return false;
+  item.first = *first;
+  item.policy_version = at.chunk().policy_version(at.frame);
+  item.action = at.chunk().action(at.frame);
+  for (int step = 1; step <= n_step; ++step) {
+    const uint8_t flags = at.chunk().flags(at.frame);
+    if ((flags & kHasAction) == 0) return false;
+    rewards.push_back(at.chunk().reward(at.frame));
+    item.terminated = (flags & kTerminated) != 0;
+    if (item.terminated) return true;
+    if (!at.Advance()) return false;
+    const bool final_frame = (at.chunk().flags(at.frame) & kHasAction) == 0;
+    if (final_frame != ((flags & kTruncated) != 0)) return false;
+    if (final_frame) break;
+  }
+  const auto next = Payload(at);
+  if (next) item.next = *next;
+  return next.has_value();
+}
+
+}  // namespace
+
+Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
+  SampledBatch batch;
+  batch.segments = std::move(drawn.segments);
+  batch.items.resize(drawn.items.size());
+  // Never grows beyond this, so the items' spans stay where they are.
+  batch.rewards.reserve(drawn.items.size() * static_cast<size_t>(n_step));
+  const std::span<const ChunkView> chunks(drawn.chunks);
+  for (size_t i = 0; i < drawn.items.size(); ++i) {
+    const DrawnItems::Item& from = drawn.items[i];
+    SampledItem& item = batch.items[i];
+    item.key = from.key;
+    item.probability = from.probability;
+    item.importance_weight = from.importance_weight;
+    const size_t first_reward = batch.rewards.size();
+    const Cursor start{chunks.subspan(from.first_chunk, from.chunk_count), from.frame};
+    if (!Assemble(start, n_step, item, batch.rewards)) {
+      return Fail(ErrorCode::kCorrupt,
+                  "stored frame {:#x} has changed since it was checked: the disk is failing", from.key);
+    }
+    item.rewards = std::span(batch.rewards).subspan(first_reward);
+  }
+  return batch;
+}
+
+}  // namespace dadrl

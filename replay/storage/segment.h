@@ -1,0 +1,83 @@
+// One append-only file of checksummed records, read through a memory mapping.
+//
+// File, little endian: magic u64, version u32, 0 u32, segment id u64, schema u64, xxh3-64 of these | records.
+// Record: magic u32, length u32, xxh3-64 of the content u64, xxh3-64 of (segment id, offset, the three
+// before) u64 | content | zeros up to a multiple of 8. The record's own place is in its checksum, so that
+// neither stale blocks nor content that looks like a record is taken for one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "common/io/file_descriptor.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+// One thread appends; any thread may read records it was handed, sync, or drop pages. Shared ownership: a
+// sampled batch keeps the mapping alive after the log has dropped the segment.
+class Segment {
+ public:
+  // What a scan found.
+  struct Scan {
+    uint64_t records = 0;
+    uint64_t dropped_bytes = 0;     // belonged to no whole record, in the middle or at the end
+    uint64_t rejected_records = 0;  // whole, but refused by the visitor
+  };
+  using Visitor = std::function<bool(std::span<const std::byte> record)>;
+
+  // A new, empty one of at most `capacity` bytes; `path` empty: in memory only. kExhausted: disk full.
+  static Result<std::shared_ptr<Segment>> Create(const std::filesystem::path& path, uint64_t id,
+                                                 uint64_t schema, uint64_t capacity);
+  // An existing one, closed for appending. kCorrupt when it is of another schema or version, with
+  // the remedy. A damaged header alone loses nothing: the records prove themselves.
+  static Result<std::shared_ptr<Segment>> Open(const std::filesystem::path& path, uint64_t id,
+                                               uint64_t schema);
+  ~Segment();
+  Segment(const Segment&) = delete;
+  Segment& operator=(const Segment&) = delete;
+
+  // Bytes that a record of `length` takes.
+  static uint64_t RecordBytes(size_t length);
+  static uint64_t HeaderBytes();
+  bool Fits(size_t length) const { return used_ + RecordBytes(length) <= capacity_; }
+
+  // Writes one record and returns it as mapped. Survives the death of this process when it returns; survives
+  // that of the machine after the next Sync. kExhausted: the disk is full, nothing was appended.
+  Result<std::span<const std::byte>> Append(std::span<const std::byte> content);
+
+  // Visits each whole record, oldest first. What is torn or damaged is stepped over; a torn end is cut off.
+  Result<Scan> Recover(const Visitor& visit);
+
+  // Forces what was appended to the device. Blocks on the disk.
+  Status Sync() const;
+  // Takes the mapping's pages out of this process's resident memory; they are read again when needed.
+  void DropPages() const;
+  // Removes the file's name; the mapping stays for those who hold it.
+  void Unlink() const;
+
+  uint64_t id() const { return id_; }
+  uint64_t bytes() const { return used_; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  Segment(std::filesystem::path path, uint64_t id, FileDescriptor file);
+  Status Map(uint64_t length);
+  Status WriteHeader(uint64_t schema);
+  // Length of the content of the record at `offset`, when its header is whole and the content is inside the
+  // file.
+  bool HeaderAt(uint64_t offset, uint32_t& length, uint64_t& content_checksum) const;
+
+  std::filesystem::path path_;
+  uint64_t id_;
+  FileDescriptor file_;
+  uint64_t capacity_ = 0;  // of the mapping
+  uint64_t used_ = 0;
+  std::byte* mapping_ = nullptr;
+};
+
+}  // namespace dadrl

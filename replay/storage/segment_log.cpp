@@ -1,0 +1,176 @@
+#include "replay/storage/segment_log.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/io/atomic_file.h"
+#include "common/io/io_error.h"
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+constexpr std::string_view kPrefix = "segment-";
+constexpr std::string_view kSuffix = ".log";
+
+std::optional<uint64_t> IdOf(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return std::nullopt;
+  const std::string_view digits =
+      std::string_view(name).substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size());
+  uint64_t id = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
+  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  return id;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SegmentLog>> SegmentLog::Open(const Options& options, const Visitor& visit,
+                                                     Recovery& recovery) {
+  std::unique_ptr<SegmentLog> log(new SegmentLog(options));
+  if (options.directory.empty()) return log;
+  std::error_code error;
+  std::filesystem::create_directories(options.directory, error);
+  if (error) return tl::unexpected(IoError("create", options.directory, error.value()));
+  DADRL_RETURN_IF_ERROR(log->Lock());
+  RemoveLeftoverTemporaries(options.directory);
+  DADRL_RETURN_IF_ERROR(log->Recover(visit, recovery));
+  return log;
+}
+
+Status SegmentLog::Lock() {
+  const auto path = options_.directory / "lock";
+  DADRL_ASSIGN_OR_RETURN(lock_, FileDescriptor::Open(path, O_RDWR | O_CREAT));
+  if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno != EWOULDBLOCK) return tl::unexpected(IoError("lock", path, errno));
+  return Fail(ErrorCode::kUnavailable,
+              "{} is in use by another replay process; stop it or use another run directory",
+              options_.directory.string());
+}
+
+Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
+  std::vector<std::pair<uint64_t, std::filesystem::path>> files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(options_.directory, error), end; !error && it != end;
+       it.increment(error)) {
+    if (const auto id = IdOf(it->path())) files.emplace_back(*id, it->path());
+  }
+  if (error) return tl::unexpected(IoError("list", options_.directory, error.value()));
+  std::sort(files.begin(), files.end());
+  MutexLock lock(mutex_);
+  for (const auto& [id, path] : files) {
+    next_id_ = id + 1;
+    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, Segment::Open(path, id, options_.schema));
+    DADRL_ASSIGN_OR_RETURN(const Segment::Scan scan, segment->Recover([&](std::span<const std::byte> record) {
+      return visit(segment, record);
+    }));
+    recovery.dropped_bytes += scan.dropped_bytes;
+    recovery.rejected_records += scan.rejected_records;
+    if (scan.dropped_bytes > 0 || scan.rejected_records > 0) {
+      spdlog::warn("{}: {} records are whole; dropped {} damaged or torn bytes and {} unusable records",
+                   path.string(), scan.records, scan.dropped_bytes, scan.rejected_records);
+    }
+    if (scan.records == 0) {
+      segment->Unlink();
+      continue;
+    }
+    ++recovery.segments;
+    recovery.records += scan.records;
+    recovery.bytes += segment->bytes();
+    bytes_ += segment->bytes();
+    segments_.push_back(segment);
+  }
+  return {};
+}
+
+std::filesystem::path SegmentLog::PathOf(uint64_t id) const {
+  if (options_.directory.empty()) return {};
+  return options_.directory / fmt::format("{}{:012}{}", kPrefix, id, kSuffix);
+}
+
+bool SegmentLog::NeedsSegment(size_t length) const { return !open_ || !open_->Fits(length); }
+
+uint64_t SegmentLog::NextSegmentBytes(size_t length) const {
+  return std::max(options_.segment_bytes, Segment::HeaderBytes() + Segment::RecordBytes(length));
+}
+
+Status SegmentLog::CloseSegment(bool sync) {
+  if (open_ && sync) DADRL_RETURN_IF_ERROR(open_->Sync());
+  open_.reset();
+  return {};
+}
+
+Status SegmentLog::StartSegment(size_t length, bool sync) {
+  // The id is taken even when this fails: a file that is half there must not be in the way.
+  const uint64_t id = next_id_++;
+  DADRL_ASSIGN_OR_RETURN(std::shared_ptr<Segment> segment,
+                         Segment::Create(PathOf(id), id, options_.schema, NextSegmentBytes(length)));
+  if (sync && !options_.directory.empty()) DADRL_RETURN_IF_ERROR(SyncDirectory(options_.directory));
+  open_ = segment;
+  MutexLock lock(mutex_);
+  segments_.push_back(std::move(segment));
+  bytes_ += Segment::HeaderBytes();
+  return {};
+}
+
+Result<SegmentLog::Stored> SegmentLog::Append(std::span<const std::byte> record) {
+  DADRL_ASSIGN_OR_RETURN(const std::span<const std::byte> bytes, open_->Append(record));
+  MutexLock lock(mutex_);
+  bytes_ += Segment::RecordBytes(record.size());
+  return Stored{open_, bytes};
+}
+
+void SegmentLog::RemoveOldest() {
+  MutexLock lock(mutex_);
+  if (segments_.empty()) return;
+  if (segments_.front() == open_) open_.reset();
+  bytes_ -= segments_.front()->bytes();
+  segments_.front()->Unlink();
+  segments_.pop_front();
+}
+
+size_t SegmentLog::segments() const {
+  MutexLock lock(mutex_);
+  return segments_.size();
+}
+
+uint64_t SegmentLog::oldest_id() const {
+  MutexLock lock(mutex_);
+  return segments_.empty() ? next_id_ : segments_.front()->id();
+}
+
+uint64_t SegmentLog::bytes() const {
+  MutexLock lock(mutex_);
+  return bytes_;
+}
+
+Status SegmentLog::Sync() const {
+  // Closed segments were forced when they were closed.
+  std::shared_ptr<const Segment> newest;
+  {
+    MutexLock lock(mutex_);
+    if (segments_.empty()) return {};
+    newest = segments_.back();
+  }
+  return newest->Sync();
+}
+
+void SegmentLog::DropPagesBeyond(uint64_t bytes) const {
+  MutexLock lock(mutex_);
+  uint64_t kept = 0;
+  for (auto segment = segments_.rbegin(); segment != segments_.rend(); ++segment) {
+    kept += (*segment)->bytes();
+    if (kept > bytes) (*segment)->DropPages();
+  }
+}
+
+}  // namespace dadrl

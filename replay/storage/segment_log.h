@@ -1,0 +1,92 @@
+// The replay's experience on disk: segments in a folder, the newest one open for appending.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "common/io/file_descriptor.h"
+#include "common/util/mutex.h"
+#include "common/util/result.h"
+#include "replay/storage/segment.h"
+
+namespace dadrl {
+
+// One thread appends, rolls and removes; Sync, DropPagesBeyond and the byte counts are for any thread.
+class SegmentLog {
+ public:
+  struct Options {
+    std::filesystem::path directory;  // created when missing; empty: segments live in memory only
+    uint64_t schema = 0;
+    uint64_t segment_bytes = uint64_t{64} << 20;
+  };
+  // What recovery found.
+  struct Recovery {
+    uint64_t segments = 0;
+    uint64_t records = 0;
+    uint64_t bytes = 0;
+    uint64_t dropped_bytes = 0;     // damaged or torn
+    uint64_t rejected_records = 0;  // whole, but the visitor refused them
+  };
+  using Visitor = std::function<bool(const std::shared_ptr<const Segment>&, std::span<const std::byte>)>;
+
+  // Takes the folder for this process (kUnavailable when another one has it) and visits every whole record,
+  // oldest first. kCorrupt: a segment is of another schema. Logs what was dropped.
+  static Result<std::unique_ptr<SegmentLog>> Open(const Options& options, const Visitor& visit,
+                                                  Recovery& recovery);
+
+  struct Stored {
+    std::shared_ptr<const Segment> segment;
+    std::span<const std::byte> bytes;
+  };
+
+  // True when a record of `length` needs a new segment: call StartSegment before Append.
+  bool NeedsSegment(size_t length) const;
+  // The bytes a segment started for a record of `length` may grow to.
+  uint64_t NextSegmentBytes(size_t length) const;
+  // Ends the open segment, forced to the device when `sync`; blocks on the disk. Without one: nothing.
+  Status CloseSegment(bool sync);
+  // Opens the next one; none is open. kExhausted: disk full, try again later.
+  Status StartSegment(size_t length, bool sync);
+  // Needs a segment that fits. kExhausted: disk full, nothing was appended.
+  Result<Stored> Append(std::span<const std::byte> record);
+
+  // No new segment takes an id up to this one: ids are never reused, even when all segments are gone.
+  void ReserveIds(uint64_t up_to) { next_id_ = std::max(next_id_, up_to + 1); }
+
+  // Removes the oldest segment's file.
+  void RemoveOldest();
+  size_t segments() const;
+  uint64_t oldest_id() const;
+
+  // Bytes of all segments.
+  uint64_t bytes() const;
+  // Forces everything appended before the call to the device; blocks on the disk.
+  Status Sync() const;
+  // Keeps at most `bytes` of the newest segments in this process's resident memory.
+  void DropPagesBeyond(uint64_t bytes) const;
+
+  const std::filesystem::path& directory() const { return options_.directory; }
+
+ private:
+  explicit SegmentLog(Options options) : options_(std::move(options)) {}
+  Status Lock();
+  Status Recover(const Visitor& visit, Recovery& recovery);
+  std::filesystem::path PathOf(uint64_t id) const;
+
+  Options options_;
+  FileDescriptor lock_;
+  mutable Mutex mutex_;
+  std::deque<std::shared_ptr<Segment>> segments_ DADRL_GUARDED_BY(mutex_);
+  uint64_t bytes_ DADRL_GUARDED_BY(mutex_) = 0;
+  // Appended to by the one appending thread; null after recovery and after a failed start.
+  std::shared_ptr<Segment> open_;
+  uint64_t next_id_ = 1;
+};
+
+}  // namespace dadrl

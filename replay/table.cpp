@@ -1,0 +1,284 @@
+#include "replay/table.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/util/log.h"
+#include "replay/storage/state_file.h"
+
+namespace dadrl {
+namespace {
+
+// Dropping the oldest segment must not drop most of what is there.
+constexpr int64_t kLeastSegments = 4;
+
+uint64_t SegmentBytes(const ReplayConfig& replay) {
+  return static_cast<uint64_t>(std::min(replay.segment_bytes, replay.max_disk_bytes / kLeastSegments));
+}
+
+ChunkIndex::Options IndexOptions(const TableOptions& options) {
+  return {.n_step = options.n_step,
+          .sampler = options.replay.sampler,
+          .priority_exponent = options.replay.priority_exponent,
+          .importance_exponent = options.replay.importance_exponent,
+          .max_times_sampled = options.replay.max_times_sampled,
+          .max_staleness = options.replay.max_staleness};
+}
+
+uint64_t Actions(const ChunkView& chunk) {
+  // Only the last frame may have none.
+  const bool final_frame = (chunk.flags(chunk.frames() - 1) & kHasAction) == 0;
+  return static_cast<uint64_t>(chunk.frames() - (final_frame ? 1 : 0));
+}
+
+}  // namespace
+
+RateLimiter::Options LimiterOptions(const ReplayConfig& replay) {
+  return {.min_size = replay.min_size,
+          .max_samples_per_insert = replay.samples_per_insert,
+          .min_samples_per_insert = replay.min_samples_per_insert,
+          .band = std::max(1.0, replay.samples_per_insert_band * static_cast<double>(replay.min_size))};
+}
+
+ReplayTable::ReplayTable(TableOptions options, const Clock& clock)
+    : options_(std::move(options)),
+      index_(IndexOptions(options_)),
+      limiter_(LimiterOptions(options_.replay), clock),
+      random_(options_.seed) {}
+
+Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, const Clock& clock) {
+  std::unique_ptr<ReplayTable> table(new ReplayTable(std::move(options), clock));
+  DADRL_RETURN_IF_ERROR(table->Recover());
+  return table;
+}
+
+std::filesystem::path ReplayTable::StatePath() const { return options_.directory / "state"; }
+
+Status ReplayTable::Recover() {
+  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay)};
+  SegmentLog::Recovery recovery;
+  DADRL_ASSIGN_OR_RETURN(log_, SegmentLog::Open(
+                                   log_options,
+                                   [this](const auto& segment, std::span<const std::byte> record) {
+                                     return RecoverRecord(segment, record);
+                                   },
+                                   recovery));
+  if (options_.directory.empty()) return {};
+  DADRL_RETURN_IF_ERROR(RestoreState());
+  while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
+    DropOldestSegment();
+  }
+  BoundIndex();
+  const Stats now = stats();
+  if (recovery.records > 0 || recovery.dropped_bytes > 0) {
+    spdlog::info("recovered {} frames in {} chunks and {} segments; dropped {} damaged or torn bytes",
+                 now.frames_held, now.chunks_held, recovery.segments, recovery.dropped_bytes);
+  }
+  return {};
+}
+
+bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
+                                std::span<const std::byte> record) {
+  const Result<ChunkView> chunk = ChunkView::Parse(record);
+  if (!chunk || chunk->header().schema != options_.schema) return false;
+  // A gap is a record that was damaged; what follows it is as good as ever.
+  const ChunkIdentity& identity = chunk->header().identity;
+  if (sequences_.Check(identity, identity.sequence) != SequenceTable::Verdict::kNext) return false;
+  sequences_.Accept(identity);
+  last_segment_ = segment->id();
+  MutexLock lock(mutex_);
+  index_.Add(segment, *chunk);
+  return true;
+}
+
+// The state file knows what dropped segments held, up to the segment it names; the records know the rest.
+Status ReplayTable::RestoreState() {
+  Result<ReplayState> state = ReadReplayState(StatePath());
+  if (!state && state.error().code == ErrorCode::kCorrupt) {
+    spdlog::warn("{}: counters start anew; stored experience is not affected", state.error().message);
+  } else if (!state && state.error().code != ErrorCode::kNotFound) {
+    return tl::unexpected(std::move(state.error()));
+  }
+  if (state && state->schema != options_.schema) state = Fail(ErrorCode::kNotFound, "of another schema");
+  MutexLock lock(mutex_);
+  RateLimiter::State limiter;
+  uint64_t counted_segment = 0;
+  if (state) {
+    sequences_.Merge(state->sequences);
+    limiter = state->limiter;
+    counted_segment = state->up_to_segment;
+  }
+  limiter_.Restore(limiter);
+  limiter_.OnInsert(static_cast<int64_t>(index_.FramesAfter(counted_segment)));
+  last_segment_ = std::max(last_segment_, counted_segment);
+  log_->ReserveIds(counted_segment);
+  return {};
+}
+
+Status ReplayTable::SaveState() {
+  if (options_.directory.empty()) return {};
+  ReplayState state{
+      .schema = options_.schema, .up_to_segment = last_segment_, .limiter = {}, .sequences = sequences_};
+  {
+    MutexLock lock(mutex_);
+    state.limiter = limiter_.state();
+  }
+  return WriteReplayState(StatePath(), state);
+}
+
+Status ReplayTable::Validate(std::span<const std::byte> bytes, std::optional<ChunkView>& chunk) const {
+  DADRL_ASSIGN_OR_RETURN(chunk, ChunkView::Parse(bytes));
+  if (chunk->header().schema != options_.schema) {
+    return Fail(
+        ErrorCode::kCorrupt,
+        "actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the actor with the "
+        "configuration of the run",
+        chunk->header().identity.actor, chunk->header().schema, options_.schema);
+  }
+  if (options_.verify) return options_.verify(*chunk);
+  return {};
+}
+
+Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> bytes, uint64_t oldest_kept) {
+  std::optional<ChunkView> chunk;
+  if (const Status valid = Validate(bytes, chunk); !valid) {
+    MutexLock lock(mutex_);
+    if (counters_.rejected_chunks++ == 0) spdlog::warn("refused a chunk: {}", valid.error().message);
+    return Insertion::kRejected;
+  }
+  const ChunkIdentity identity = chunk->header().identity;
+  const SequenceTable::Verdict verdict = sequences_.Check(identity, std::min(oldest_kept, identity.sequence));
+  if (verdict == SequenceTable::Verdict::kNext) {
+    DADRL_RETURN_IF_ERROR(EnsureSegment(bytes.size()));
+    DADRL_ASSIGN_OR_RETURN(const SegmentLog::Stored stored, log_->Append(bytes));
+    // The same bytes, at the place where they stay.
+    chunk->Rebase(stored.bytes);
+    last_segment_ = stored.segment->id();
+    const uint64_t skipped = sequences_.Accept(identity);
+    {
+      MutexLock lock(mutex_);
+      index_.Add(stored.segment, *chunk);
+      limiter_.OnInsert(static_cast<int64_t>(Actions(*chunk)));
+      counters_.inserted_bytes += bytes.size();
+      counters_.lost_chunks += skipped;
+    }
+    BoundIndex();
+    return Insertion::kStored;
+  }
+  MutexLock lock(mutex_);
+  switch (verdict) {
+    case SequenceTable::Verdict::kDuplicate:
+      ++counters_.duplicate_chunks;
+      return Insertion::kDuplicate;
+    case SequenceTable::Verdict::kGap:
+      ++counters_.early_chunks;
+      return Insertion::kEarly;
+    default:
+      ++counters_.rejected_chunks;
+      return Insertion::kRejected;
+  }
+}
+
+Status ReplayTable::EnsureSegment(size_t length) {
+  if (!log_->NeedsSegment(length)) return {};
+  const uint64_t next = log_->NextSegmentBytes(length);
+  const auto max_disk = static_cast<uint64_t>(options_.replay.max_disk_bytes);
+  if (next > max_disk) {
+    return Fail(ErrorCode::kExhausted, "a chunk of {} bytes does not fit into replay.max_disk_bytes of {}",
+                length, max_disk);
+  }
+  const bool sync = options_.replay.sync != SyncMode::kNone;
+  DADRL_RETURN_IF_ERROR(log_->CloseSegment(sync));
+  // Before anything is dropped: afterwards only this file knows what was stored.
+  DADRL_RETURN_IF_ERROR(SaveState());
+  while (log_->segments() > 0 && log_->bytes() + next > max_disk) DropOldestSegment();
+  return log_->StartSegment(length, sync);
+}
+
+void ReplayTable::DropOldestSegment() {
+  log_->RemoveOldest();
+  const uint64_t oldest = log_->oldest_id();
+  MutexLock lock(mutex_);
+  index_.DropSegmentsBefore(oldest);
+}
+
+void ReplayTable::BoundIndex() {
+  const auto max_memory = static_cast<size_t>(options_.replay.max_memory_bytes);
+  while (log_->segments() > 1) {
+    {
+      MutexLock lock(mutex_);
+      if (index_.memory_bytes() <= max_memory) return;
+    }
+    DropOldestSegment();
+  }
+}
+
+RateLimiter::Hold ReplayTable::MaySample(size_t count) {
+  MutexLock lock(mutex_);
+  const size_t size = index_.CanDraw(count) ? index_.items() : 0;
+  return limiter_.MaySample(static_cast<int64_t>(count), static_cast<int64_t>(size));
+}
+
+Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t policy_version) {
+  if (n_step < 1 || n_step > options_.n_step) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "asked for slices of {} steps, this replay was started with algorithm.n_step {}", n_step,
+                options_.n_step);
+  }
+  DrawnItems drawn;
+  {
+    MutexLock lock(mutex_);
+    index_.SetNewestVersion(policy_version);
+    const size_t size = index_.CanDraw(count) ? index_.items() : 0;
+    if (limiter_.MaySample(static_cast<int64_t>(count), static_cast<int64_t>(size)) !=
+        RateLimiter::Hold::kNone) {
+      return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", count, size);
+    }
+    drawn = index_.Draw(count, n_step, random_);
+    limiter_.OnSample(static_cast<int64_t>(count));
+  }
+  return AssembleBatch(std::move(drawn), n_step);
+}
+
+void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities) {
+  MutexLock lock(mutex_);
+  for (size_t i = 0; i < std::min(keys.size(), priorities.size()); ++i) {
+    index_.UpdatePriority(keys[i], static_cast<double>(priorities[i]));
+  }
+}
+
+bool ReplayTable::MayInsert() {
+  MutexLock lock(mutex_);
+  return limiter_.MayInsert(static_cast<int64_t>(index_.items()));
+}
+
+void ReplayTable::Reconfigure(const RateLimiter::Options& options) {
+  MutexLock lock(mutex_);
+  limiter_.Reconfigure(options);
+}
+
+void ReplayTable::TrimMemory() const {
+  const auto max_memory = static_cast<uint64_t>(options_.replay.max_memory_bytes);
+  uint64_t index_bytes = 0;
+  {
+    MutexLock lock(mutex_);
+    index_bytes = index_.memory_bytes();
+  }
+  log_->DropPagesBeyond(max_memory - std::min(max_memory, index_bytes));
+}
+
+ReplayTable::Stats ReplayTable::stats() const {
+  MutexLock lock(mutex_);
+  Stats stats = counters_;
+  stats.inserted_frames = static_cast<uint64_t>(limiter_.state().inserted);
+  stats.sampled = static_cast<uint64_t>(limiter_.state().sampled);
+  stats.frames_held = index_.frames();
+  stats.items = index_.items();
+  stats.chunks_held = index_.chunks();
+  stats.index_bytes = index_.memory_bytes();
+  stats.disk_bytes = log_->bytes();
+  stats.waits = limiter_.waits();
+  return stats;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,169 @@
+#include "replay/storage/segment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+#include "replay/storage/segment_log.h"
+#include "tests/replay/test_chunks.h"
+
+namespace dadrl {
+namespace {
+
+constexpr uint64_t kSchema = 42;
+
+std::vector<std::byte> Record(uint64_t seed) {
+  Random random(seed);
+  std::vector<std::byte> bytes(1 + random.Below(90));
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.Next());
+  return bytes;
+}
+
+struct Contents {
+  std::vector<std::vector<std::byte>> records;
+  Segment::Scan scan;
+};
+
+Contents Read(const std::filesystem::path& path, uint64_t id = 1) {
+  Contents contents;
+  const auto segment = Segment::Open(path, id, kSchema);
+  EXPECT_TRUE(segment) << segment.error().message;
+  if (!segment) return contents;
+  contents.scan = (*segment)
+                      ->Recover([&](std::span<const std::byte> record) {
+                        contents.records.emplace_back(record.begin(), record.end());
+                        return true;
+                      })
+                      .value();
+  return contents;
+}
+
+class SegmentFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto segment = Segment::Create(path_, 1, kSchema, 1 << 16).value();
+    for (uint64_t i = 0; i < 12; ++i) {
+      records_.push_back(Record(i));
+      const auto stored = segment->Append(records_.back());
+      ASSERT_TRUE(stored);
+      EXPECT_TRUE(std::ranges::equal(*stored, records_.back()));
+      ends_.push_back(segment->bytes());
+    }
+    std::ifstream file(path_, std::ios::binary);
+    bytes_.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  void Rewrite(const std::string& bytes) {
+    std::ofstream file(path_, std::ios::binary | std::ios::trunc);
+    file << bytes;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "segment";
+  std::vector<std::vector<std::byte>> records_;
+  std::vector<uint64_t> ends_;
+  std::string bytes_;
+};
+
+TEST_F(SegmentFile, ComesBackWhole) {
+  const Contents contents = Read(path_);
+  EXPECT_EQ(contents.records, records_);
+  EXPECT_EQ(contents.scan.dropped_bytes, 0u);
+}
+
+TEST_F(SegmentFile, AfterTruncationAtAnyByteTheWholeRecordsAreThereAndTheTornEndIsCut) {
+  for (size_t length = 0; length < bytes_.size(); ++length) {
+    Rewrite(bytes_.substr(0, length));
+    const Contents contents = Read(path_);
+    // Padding carries nothing: a record is whole once its content is.
+    size_t whole = 0;
+    for (uint64_t begin = 40; whole < ends_.size(); begin = ends_[whole++]) {
+      if (begin + 24 + records_[whole].size() > length) break;
+    }
+    ASSERT_EQ(contents.records.size(), whole) << length;
+    EXPECT_TRUE(std::equal(contents.records.begin(), contents.records.end(), records_.begin()));
+    const Contents again = Read(path_);
+    EXPECT_EQ(again.records, contents.records);
+    EXPECT_EQ(again.scan.dropped_bytes, 0u) << length;
+  }
+}
+
+TEST_F(SegmentFile, AFlippedBitCostsTheRecordItIsInAndNoOther) {
+  for (size_t byte = 0; byte < bytes_.size(); ++byte) {
+    std::string damaged = bytes_;
+    damaged[byte] = static_cast<char>(damaged[byte] ^ (1 << (byte % 8)));
+    Rewrite(damaged);
+    const Contents contents = Read(path_);
+    ASSERT_GE(contents.records.size(), records_.size() - 1) << byte;
+    for (const auto& record : contents.records) {
+      ASSERT_NE(std::find(records_.begin(), records_.end(), record), records_.end()) << byte;
+    }
+  }
+}
+
+TEST_F(SegmentFile, RecordsOfAnotherSegmentAreNotTakenForItsOwn) {
+  const Contents contents = Read(path_, /*id=*/2);
+  EXPECT_TRUE(contents.records.empty());
+  EXPECT_GT(contents.scan.dropped_bytes, 0u);
+}
+
+TEST_F(SegmentFile, AnotherSchemaIsRefusedWithTheFileAndTheRemedy) {
+  const auto segment = Segment::Open(path_, 1, kSchema + 1);
+  ASSERT_FALSE(segment);
+  EXPECT_EQ(segment.error().code, ErrorCode::kCorrupt);
+  EXPECT_THAT(segment.error().message, testing::HasSubstr(path_.string()));
+  EXPECT_THAT(segment.error().message, testing::HasSubstr("run directory"));
+}
+
+TEST(Segment, ReadersKeepWhatTheyHoldAfterTheFileIsGone) {
+  TemporaryFolder folder;
+  std::span<const std::byte> stored;
+  std::shared_ptr<const Segment> held;
+  const auto record = Record(1);
+  {
+    auto segment = Segment::Create(folder.path() / "s", 1, kSchema, 4096).value();
+    stored = segment->Append(record).value();
+    segment->Unlink();
+    held = segment;
+  }
+  held->DropPages();
+  EXPECT_TRUE(std::ranges::equal(stored, record));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "s"));
+}
+
+TEST(SegmentLog, ASecondProcessIsKeptOut) {
+  TemporaryFolder folder;
+  SegmentLog::Recovery recovery;
+  const auto visit = [](const auto&, std::span<const std::byte>) { return true; };
+  const auto first = SegmentLog::Open({folder.path(), kSchema}, visit, recovery);
+  ASSERT_TRUE(first);
+  const auto second = SegmentLog::Open({folder.path(), kSchema}, visit, recovery);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(second.error().message, testing::HasSubstr(folder.path().string()));
+}
+
+TEST(SegmentLog, GoesOnInANewSegmentWithANewId) {
+  TemporaryFolder folder;
+  std::vector<uint64_t> ids;
+  for (int run = 0; run < 3; ++run) {
+    ids.clear();
+    SegmentLog::Recovery recovery;
+    auto log = SegmentLog::Open(
+                   {folder.path(), kSchema},
+                   [&](const auto& segment, std::span<const std::byte>) {
+                     ids.push_back(segment->id());
+                     return true;
+                   },
+                   recovery)
+                   .value();
+    ASSERT_TRUE(log->StartSegment(10, true));
+    ASSERT_TRUE(log->Append(Record(static_cast<uint64_t>(run))));
+  }
+  EXPECT_EQ(ids, (std::vector<uint64_t>{1, 2}));
+}
+
+}  // namespace
+}  // namespace dadrl

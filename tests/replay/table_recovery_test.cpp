@@ -1,0 +1,215 @@
+// What a restart finds: after a clean stop, after kill -9, after damage.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "replay/table.h"
+#include "tests/replay/test_chunks.h"
+
+namespace dadrl {
+namespace {
+
+using Insertion = ReplayTable::Insertion;
+
+TableOptions Options(const std::filesystem::path& directory) {
+  TableOptions options{.directory = directory, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 2};
+  options.replay.min_size = 1;
+  options.replay.samples_per_insert = 0.0;
+  options.replay.max_disk_bytes = 1 << 20;
+  options.replay.segment_bytes = 1 << 16;
+  options.replay.max_times_sampled = 1;
+  return options;
+}
+
+TestChunk ChunkOf(uint64_t sequence) {
+  // Episodes of two chunks, the second of which ends it.
+  const bool second = sequence % 2 == 0;
+  return {.identity = {1, 7, sequence},
+          .episode = (sequence + 1) / 2,
+          .first_frame = second ? 5u : 0u,
+          .frames = 5,
+          .end = static_cast<uint8_t>(second ? kTerminated : 0)};
+}
+
+// Every slice in the table as first reward -> its rewards; draws everything.
+std::map<float, std::vector<float>> DrawAll(ReplayTable& table) {
+  std::map<float, std::vector<float>> slices;
+  const size_t items = table.stats().items;
+  if (items == 0) return slices;
+  const auto batch = table.Sample(items, 2, 0).value();
+  for (const SampledItem& item : batch.items) {
+    EXPECT_EQ(Decode(item.first), item.rewards[0]);
+    const bool inserted =
+        slices.try_emplace(item.rewards[0], item.rewards.begin(), item.rewards.end()).second;
+    EXPECT_TRUE(inserted) << "frame " << item.rewards[0] << " is there twice";
+  }
+  return slices;
+}
+
+std::filesystem::path OnlySegment(const std::filesystem::path& directory) {
+  std::filesystem::path found;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().filename().string().starts_with("segment-")) found = entry.path();
+  }
+  return found;
+}
+
+class TableRecovery : public testing::Test {
+ protected:
+  std::unique_ptr<ReplayTable> Open() { return ReplayTable::Open(Options(folder_.path()), clock_).value(); }
+
+  SystemClock clock_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(TableRecovery, WithoutACleanStopEverythingIsThereOnce) {
+  std::map<float, std::vector<float>> before;
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 9; ++sequence) {
+      ASSERT_EQ(table->Insert(Build(ChunkOf(sequence))), Insertion::kStored);
+    }
+  }
+  for (int restart = 0; restart < 3; ++restart) {
+    auto table = Open();
+    EXPECT_EQ(table->Stored(1, 7), 9u);
+    EXPECT_EQ(table->Insert(Build(ChunkOf(9))), Insertion::kDuplicate);
+    EXPECT_EQ(table->stats().inserted_frames, 45u);
+    const auto slices = DrawAll(*table);
+    EXPECT_EQ(slices.size(), 43u);  // the last two frames' slices are not complete
+    if (restart > 0) EXPECT_EQ(slices, before);
+    before = slices;
+  }
+  auto table = Open();
+  EXPECT_EQ(table->Insert(Build(ChunkOf(10))), Insertion::kStored);
+  EXPECT_EQ(DrawAll(*table).size(), 50u) << "the open episode goes on across the restart";
+}
+
+TEST_F(TableRecovery, SequencesOfDroppedSegmentsAreRemembered) {
+  TableOptions options = Options(folder_.path());
+  options.replay.max_disk_bytes = 20000;
+  uint64_t last = 0;
+  {
+    auto table = ReplayTable::Open(options, clock_).value();
+    ASSERT_EQ(table->Insert(Build({.identity = {2, 3, 1}, .end = kTerminated})), Insertion::kStored);
+    while (table->stats().frames_held == table->stats().inserted_frames) {
+      ASSERT_EQ(table->Insert(Build(ChunkOf(++last))), Insertion::kStored);
+    }
+  }
+  auto table = ReplayTable::Open(options, clock_).value();
+  EXPECT_EQ(table->Stored(2, 3), 1u);
+  EXPECT_EQ(table->Insert(Build({.identity = {2, 3, 1}, .end = kTerminated})), Insertion::kDuplicate);
+  EXPECT_EQ(table->stats().inserted_frames, 4 + last * 5);
+  EXPECT_EQ(table->Insert(Build(ChunkOf(1))), Insertion::kDuplicate);
+}
+
+TEST_F(TableRecovery, ACleanStopRestoresTheCounters) {
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 4; ++sequence)
+      ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
+    ASSERT_TRUE(table->Sample(7, 1, 0));
+    ASSERT_TRUE(table->SaveState());
+  }
+  auto table = Open();
+  EXPECT_EQ(table->stats().sampled, 7u);
+  EXPECT_EQ(table->stats().inserted_frames, 20u);
+}
+
+TEST_F(TableRecovery, ADamagedStateFileCostsOnlyTheCounters) {
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 4; ++sequence)
+      ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
+    ASSERT_TRUE(table->SaveState());
+  }
+  std::ofstream(folder_.path() / "state", std::ios::trunc) << "nonsense";
+  auto table = Open();
+  EXPECT_EQ(table->Stored(1, 7), 4u);
+  EXPECT_EQ(table->stats().items, 20u);
+}
+
+TEST_F(TableRecovery, TruncatedAtAnyByteItHoldsTheWholeChunksAndGoesOn) {
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 3; ++sequence)
+      ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
+  }
+  const auto path = OnlySegment(folder_.path());
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole(std::istreambuf_iterator<char>(file), {});
+  for (size_t length = 0; length <= whole.size(); length += 1) {
+    TemporaryFolder folder;
+    std::ofstream(folder.path() / path.filename(), std::ios::binary) << whole.substr(0, length);
+    auto table = ReplayTable::Open(Options(folder.path()), clock_).value();
+    const uint64_t stored = table->Stored(1, 7).value_or(0);
+    ASSERT_EQ(table->stats().frames_held, stored * 5) << length;
+    // What the actor sends again goes on exactly there.
+    for (uint64_t sequence = 1; sequence <= 4; ++sequence) {
+      ASSERT_EQ(table->Insert(Build(ChunkOf(sequence)), 1),
+                sequence <= stored ? Insertion::kDuplicate : Insertion::kStored);
+    }
+    ASSERT_EQ(DrawAll(*table).size(), 20u) << length;
+  }
+}
+
+TEST_F(TableRecovery, ADamagedRecordCostsItsChunkAndNothingElse) {
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 6; ++sequence)
+      ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
+  }
+  const auto path = OnlySegment(folder_.path());
+  const auto size = std::filesystem::file_size(path);
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(size / 2));
+  file << "XXXX";
+  file.close();
+  auto table = Open();
+  EXPECT_EQ(table->stats().frames_held, 25u);
+  EXPECT_EQ(table->Stored(1, 7), 6u);
+  for (const auto& [first, rewards] : DrawAll(*table)) {
+    // No slice bridges the hole.
+    if (rewards.size() == 2) EXPECT_EQ(rewards[1], first + 1.0f);
+  }
+}
+
+TEST_F(TableRecovery, AnotherObservationIsRefusedAndNothingIsTouched) {
+  {
+    auto table = Open();
+    ASSERT_TRUE(table->Insert(Build(ChunkOf(1))));
+  }
+  TableOptions other = Options(folder_.path());
+  other.schema = SchemaHash({.vehicles = 9, .history = 1});
+  const auto refused = ReplayTable::Open(other, clock_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(Open()->stats().frames_held, 5u);
+}
+
+TEST_F(TableRecovery, ASmallerBoundDropsTheOldestAtTheStart) {
+  {
+    auto table = Open();
+    for (uint64_t sequence = 1; sequence <= 400; ++sequence)
+      ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
+  }
+  TableOptions smaller = Options(folder_.path());
+  smaller.replay.max_disk_bytes = 140000;
+  auto table = ReplayTable::Open(smaller, clock_).value();
+  EXPECT_LE(table->stats().disk_bytes, 140000u);
+  EXPECT_GT(table->stats().frames_held, 0u);
+  EXPECT_EQ(table->Stored(1, 7), 400u);
+}
+
+TEST_F(TableRecovery, AFolderThatCannotBeMadeIsOneClearError) {
+  std::ofstream(folder_.path() / "file") << "x";
+  const auto refused = ReplayTable::Open(Options(folder_.path() / "file" / "replay"), clock_);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("file"));
+  EXPECT_THAT(refused.error().message, testing::Not(testing::HasSubstr("\n")));
+}
+
+}  // namespace
+}  // namespace dadrl

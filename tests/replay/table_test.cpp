@@ -1,0 +1,208 @@
+#include "replay/table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <thread>
+
+#include "tests/replay/test_chunks.h"
+
+namespace dadrl {
+namespace {
+
+using Insertion = ReplayTable::Insertion;
+
+TableOptions Options(const std::filesystem::path& directory = {}) {
+  TableOptions options{.directory = directory, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+  options.replay.min_size = 1;
+  options.replay.samples_per_insert = 0.0;
+  options.replay.max_disk_bytes = 1 << 20;
+  options.replay.segment_bytes = 1 << 16;
+  return options;
+}
+
+std::vector<std::byte> EpisodeChunk(uint64_t sequence, int frames = 10) {
+  return Build({.identity = {1, 1, sequence}, .episode = sequence, .frames = frames, .end = kTerminated});
+}
+
+TEST(ReplayTable, StoresEachChunkOnceAndSamplesIt) {
+  SystemClock clock;
+  auto table = ReplayTable::Open(Options(), clock).value();
+  EXPECT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kStored);
+  EXPECT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kDuplicate);
+  EXPECT_EQ(table->Insert(EpisodeChunk(3), 1), Insertion::kEarly);
+  EXPECT_EQ(table->Insert(EpisodeChunk(2), 1), Insertion::kStored);
+  EXPECT_EQ(table->Insert(EpisodeChunk(3), 1), Insertion::kStored);
+  const ReplayTable::Stats stats = table->stats();
+  EXPECT_EQ(stats.inserted_frames, 30u);
+  EXPECT_EQ(stats.items, 30u);
+  EXPECT_EQ(stats.duplicate_chunks, 1u);
+  EXPECT_EQ(stats.early_chunks, 1u);
+  EXPECT_EQ(stats.lost_chunks, 0u);
+  EXPECT_EQ(table->Stored(1, 1), 3u);
+  const auto batch = table->Sample(64, 1, 0);
+  ASSERT_TRUE(batch);
+  ASSERT_EQ(batch->items.size(), 64u);
+  for (const SampledItem& item : batch->items) EXPECT_EQ(Decode(item.first), item.rewards[0]);
+  EXPECT_EQ(table->stats().sampled, 64u);
+}
+
+TEST(ReplayTable, GoesOnBehindChunksThatNobodyHasAnyMore) {
+  SystemClock clock;
+  auto table = ReplayTable::Open(Options(), clock).value();
+  EXPECT_EQ(table->Insert(EpisodeChunk(1), 1), Insertion::kStored);
+  EXPECT_EQ(table->Insert(EpisodeChunk(6), 5), Insertion::kEarly);
+  EXPECT_EQ(table->Insert(EpisodeChunk(5), 5), Insertion::kStored);
+  EXPECT_EQ(table->stats().lost_chunks, 3u);
+}
+
+TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
+  SystemClock clock;
+  TableOptions options = Options();
+  options.verify = [](const ChunkView& chunk) -> Status {
+    if (chunk.header().episode == 2) return Fail(ErrorCode::kCorrupt, "bad frame");
+    return {};
+  };
+  auto table = ReplayTable::Open(options, clock).value();
+  EXPECT_EQ(table->Insert(std::vector<std::byte>(100)), Insertion::kRejected);
+  ChunkBuilder alien({.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
+  alien.AddTransition(Observation({.vehicles = 2, .history = 1}), {}, 0.0f, kTerminated, 1);
+  EXPECT_EQ(table->Insert(alien.Finish({1, 1, 1})), Insertion::kRejected);
+  EXPECT_EQ(table->Insert(EpisodeChunk(2)), Insertion::kRejected);
+  EXPECT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kStored);
+  EXPECT_EQ(table->stats().rejected_chunks, 3u);
+}
+
+TEST(ReplayTable, SamplingWaitsForTheMinimumSizeAndForInserts) {
+  ManualClock clock;
+  TableOptions options = Options();
+  options.replay.min_size = 20;
+  options.replay.samples_per_insert = 2.0;
+  options.replay.samples_per_insert_band = 1.0;
+  auto table = ReplayTable::Open(options, clock).value();
+  ASSERT_TRUE(table->Insert(EpisodeChunk(1)));
+  EXPECT_EQ(table->MaySample(8), RateLimiter::Hold::kMinimumSize);
+  ASSERT_TRUE(table->Insert(EpisodeChunk(2)));
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(table->Sample(8, 1, 0));
+  EXPECT_EQ(table->MaySample(8), RateLimiter::Hold::kSamplesPerInsert);
+  const auto refused = table->Sample(8, 1, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(table->MayInsert());
+  table->Reconfigure({.min_size = 1});
+  EXPECT_TRUE(table->Sample(8, 1, 0));
+}
+
+TEST(ReplayTable, LongerSlicesThanItIndexesAreRefusedWithTheReason) {
+  SystemClock clock;
+  auto table = ReplayTable::Open(Options(), clock).value();
+  ASSERT_TRUE(table->Insert(EpisodeChunk(1)));
+  const auto batch = table->Sample(1, 2, 0);
+  ASSERT_FALSE(batch);
+  EXPECT_EQ(batch.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(batch.error().message, testing::HasSubstr("algorithm.n_step"));
+}
+
+TEST(ReplayTable, TheSameSeedDrawsTheSameItems) {
+  SystemClock clock;
+  std::vector<std::vector<uint64_t>> keys(2);
+  for (auto& run : keys) {
+    auto table = ReplayTable::Open(Options(), clock).value();
+    for (uint64_t sequence = 1; sequence <= 5; ++sequence) ASSERT_TRUE(table->Insert(EpisodeChunk(sequence)));
+    const auto batch = table->Sample(50, 1, 0);
+    for (const SampledItem& item : batch->items) run.push_back(item.key);
+  }
+  EXPECT_EQ(keys[0], keys[1]);
+}
+
+TEST(ReplayTable, DiskStaysWithinItsBoundAndTheNewestStay) {
+  SystemClock clock;
+  TemporaryFolder folder;
+  TableOptions options = Options(folder.path());
+  options.replay.max_disk_bytes = 100000;
+  auto table = ReplayTable::Open(options, clock).value();
+  constexpr uint64_t kChunks = 600;
+  for (uint64_t sequence = 1; sequence <= kChunks; ++sequence) {
+    ASSERT_EQ(table->Insert(EpisodeChunk(sequence)), Insertion::kStored);
+    uint64_t on_disk = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+      if (entry.path().filename().string().starts_with("segment-")) on_disk += entry.file_size();
+    }
+    ASSERT_LE(on_disk, 100000u);
+    ASSERT_EQ(on_disk, table->stats().disk_bytes);
+  }
+  const ReplayTable::Stats stats = table->stats();
+  EXPECT_EQ(stats.inserted_frames, kChunks * 10);
+  EXPECT_LT(stats.items, kChunks * 10);
+  EXPECT_GT(stats.disk_bytes, 60000u);
+  const auto batch = table->Sample(5000, 1, 0).value();
+  std::set<uint64_t> episodes;
+  for (const SampledItem& item : batch.items) {
+    episodes.insert(static_cast<uint64_t>((item.rewards[0] - 10000.0f) / 100.0f));
+  }
+  EXPECT_EQ(*episodes.rbegin(), kChunks);
+  EXPECT_EQ(*episodes.rbegin() - *episodes.begin() + 1, episodes.size());
+}
+
+TEST(ReplayTable, TheIndexStaysWithinTheMemoryBound) {
+  SystemClock clock;
+  TableOptions options = Options();
+  options.replay.max_disk_bytes = int64_t{1} << 30;
+  options.replay.max_memory_bytes = 200000;
+  auto table = ReplayTable::Open(options, clock).value();
+  for (uint64_t sequence = 1; sequence <= 3000; ++sequence) {
+    ASSERT_TRUE(table->Insert(EpisodeChunk(sequence)));
+    ASSERT_LE(table->stats().index_bytes, 200000u);
+  }
+  EXPECT_GT(table->stats().items, 1000u);
+}
+
+TEST(ReplayTable, AChunkLargerThanTheDiskBoundIsRefusedAndTheRestGoesOn) {
+  SystemClock clock;
+  TableOptions options = Options();
+  options.replay.max_disk_bytes = 2000;
+  auto table = ReplayTable::Open(options, clock).value();
+  const auto refused = table->Insert(EpisodeChunk(1, 60));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kExhausted);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("max_disk_bytes"));
+  EXPECT_EQ(table->Insert(EpisodeChunk(1, 2)), Insertion::kStored);
+}
+
+TEST(ReplayTable, SamplesWhileInsertsAndDropsGoOn) {
+  SystemClock clock;
+  TemporaryFolder folder;
+  TableOptions options = Options(folder.path());
+  options.replay.max_disk_bytes = 100000;
+  options.replay.sampler = SamplerKind::kPrioritized;
+  auto table = ReplayTable::Open(options, clock).value();
+  ASSERT_TRUE(table->Insert(EpisodeChunk(1)));
+  std::atomic<bool> done{false};
+  std::atomic<int> wrong{0};
+  std::thread sampler([&] {
+    while (!done) {
+      const auto batch = table->Sample(64, 1, 0);
+      if (!batch) {
+        ++wrong;
+        continue;
+      }
+      std::vector<uint64_t> keys;
+      for (const SampledItem& item : batch->items) {
+        wrong += Decode(item.first) != item.rewards[0];
+        keys.push_back(item.key);
+      }
+      table->UpdatePriorities(keys, std::vector<float>(keys.size(), 2.0f));
+      table->TrimMemory();
+    }
+  });
+  for (uint64_t sequence = 2; sequence <= 1500; ++sequence)
+    ASSERT_TRUE(table->Insert(EpisodeChunk(sequence)));
+  done = true;
+  sampler.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace dadrl

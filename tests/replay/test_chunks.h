@@ -1,0 +1,78 @@
+// Small chunks whose every frame can be told from every other.
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/util/random.h"
+#include "proto/experience.h"
+
+namespace dadrl {
+
+inline const ObservationSpec kTestSpec{.vehicles = 1, .history = 1};
+
+struct TestChunk {
+  ChunkIdentity identity{1, 1, 1};
+  uint64_t episode = 1;
+  uint32_t first_frame = 0;
+  int frames = 4;            // with an action
+  uint8_t end = 0;           // kTerminated or kTruncated on the last of them
+  bool final_frame = false;  // the observation after a truncation follows (alone when frames is 0)
+  uint32_t policy_version = 1;
+};
+
+// What stands in frame `frame` of `episode` of `actor`.
+inline float TestReward(uint32_t actor, uint64_t episode, uint32_t frame) {
+  return static_cast<float>(actor * 10000 + episode * 100 + frame);
+}
+inline Observation TestObservation(uint32_t actor, uint64_t episode, uint32_t frame) {
+  Observation observation(kTestSpec);
+  observation.ego[1] = TestReward(actor, episode, frame);
+  return observation;
+}
+
+inline std::vector<std::byte> Build(const TestChunk& chunk) {
+  ChunkBuilder builder(kTestSpec, FloatCoding::kFloat32);
+  builder.Begin(chunk.episode, chunk.first_frame);
+  uint32_t frame = chunk.first_frame;
+  for (int i = 0; i < chunk.frames; ++i, ++frame) {
+    builder.AddTransition(TestObservation(chunk.identity.actor, chunk.episode, frame), {0.5f, -0.5f},
+                          TestReward(chunk.identity.actor, chunk.episode, frame),
+                          i + 1 == chunk.frames ? chunk.end : uint8_t{0}, chunk.policy_version);
+  }
+  if (chunk.final_frame) builder.AddFinal(TestObservation(chunk.identity.actor, chunk.episode, frame));
+  return builder.Finish(chunk.identity);
+}
+
+// The TestReward that a payload stands for.
+inline float Decode(std::span<const std::byte> payload) {
+  FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+  Observation observation(kTestSpec);
+  if (!codec.Decode(payload, observation.vehicles, observation.ego, observation.context)) return -1.0f;
+  return observation.ego[1];
+}
+
+// A folder that is gone after the test. In memory where the host has such a place: some tests restart a replay
+// thousands of times, and each forces files to the device.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    const bool memory = access("/dev/shm", W_OK) == 0;
+    const auto parent = memory ? "/dev/shm" : std::filesystem::temp_directory_path();
+    std::string name = (parent / "dadrl-replay-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace dadrl
