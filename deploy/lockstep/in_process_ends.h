@@ -1,0 +1,80 @@
+// The cluster's four seams as calls within one thread: experience into the table, batches out of it, policies
+// across.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "actor/experience/experience_sink.h"
+#include "common/config/config.h"
+#include "learner/batch_source.h"
+#include "learner/policy_publisher.h"
+#include "proto/experience.h"
+#include "replay/table.h"
+
+namespace dadrl {
+
+// Chunks go straight into the table. The first failure is kept and ends the training.
+class TableSink final : public ExperienceSink {
+ public:
+  // Borrows `table`.
+  TableSink(const Config& config, ReplayTable& table);
+  void BeginEpisode(uint64_t episode) override;
+  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
+                     uint32_t policy_version) override;
+  void AddFinal(const Observation& observation) override;
+  void EndEpisode() override;
+  bool blocked() const override { return false; }
+
+  const Status& status() const { return status_; }
+
+ private:
+  void Flush();
+
+  const int chunk_frames_;
+  ReplayTable& table_;
+  ChunkBuilder builder_;
+  uint64_t episode_ = 0;
+  uint32_t next_frame_ = 0;
+  uint64_t sequence_ = 0;
+  Status status_;
+};
+
+// Batches straight from the table, through the same codec as over the network. The first failure is kept and
+// ends the training.
+class TableBatchSource final : public BatchSource {
+ public:
+  // Borrows `table`.
+  TableBatchSource(const Config& config, ReplayTable& table);
+  // Null until the table may be sampled; never waits.
+  TransitionBatch* Take(Duration timeout) override;
+  void Release(TransitionBatch* batch) override;
+  void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
+  Activity waiting_for() const override { return Activity::kWaitForInserts; }
+
+  const Status& status() const { return status_; }
+
+ private:
+  Status Fill();
+
+  const AlgorithmConfig algorithm_;
+  ReplayTable& table_;
+  FrameCodec codec_;
+  TransitionBatch batch_;
+  Status status_;
+};
+
+// Keeps the newest policy for the actor to take.
+class PolicyRelay final : public PolicyPublisher, public PolicySource {
+ public:
+  void Publish(const PolicyUpdate& update) override;
+  uint32_t TakeNewer(uint32_t have, std::vector<float>& parameters) override;
+
+  const std::vector<float>& parameters() const { return parameters_; }
+
+ private:
+  uint32_t version_ = 0;
+  std::vector<float> parameters_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,148 @@
+#include "deploy/lockstep/lockstep.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "actor/collect/collector.h"
+#include "actor/environment.h"
+#include "common/io/checksum.h"
+#include "common/util/log.h"
+#include "deploy/lockstep/in_process_ends.h"
+#include "learner/algorithms/algorithm.h"
+#include "learner/checkpoint_store.h"
+#include "learner/checkpoint_writer.h"
+#include "learner/resume.h"
+#include "learner/trainer.h"
+#include "replay/table.h"
+
+namespace dadrl {
+namespace {
+
+constexpr uint64_t kReplaySeedIndex = 1;
+
+// Stamps publications: any constant will do where no clock may be read.
+int64_t NoWallTime() { return 0; }
+
+Status CheckEnds(const Config& config) {
+  if (config.learner.max_updates == 0 && config.minutes == 0.0) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "a deterministic training needs an end: set learner.max_updates or minutes (of {} updates each)",
+        60.0 / kLockstepUpdateSeconds);
+  }
+  if (config.replay.samples_per_insert == 0.0) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.samples_per_insert: 0 leaves open how many updates follow an episode; a deterministic "
+        "training needs it above 0");
+  }
+  return {};
+}
+
+TableOptions InMemoryTable(const Config& config) {
+  return {.directory = {},
+          .schema = SchemaHash(ObservationSpec::From(config.observation)),
+          .replay = config.replay,
+          .n_step = config.algorithm.n_step,
+          .seed = DeriveSeed(config.seed, kReplaySeedIndex),
+          .verify = nullptr};
+}
+
+// Driving, storing and training in turns, on one thread and a clock that only updates move.
+class Lockstep {
+ public:
+  Lockstep(const Config& config, std::unique_ptr<Environment> environment,
+           std::unique_ptr<Algorithm> algorithm, std::unique_ptr<ReplayTable> table, CheckpointStore store,
+           const TrainingProgress& progress, const std::atomic<bool>& stop)
+      : config_(config),
+        stop_(stop),
+        environment_(std::move(environment)),
+        algorithm_(std::move(algorithm)),
+        table_(std::move(table)),
+        checkpoints_(std::move(store), clock_),
+        sink_(config, *table_),
+        batches_(config, *table_),
+        policy_(ObservationSpec::From(config.observation), config.model),
+        trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
+        collector_(config,
+                   {.environment = *environment_,
+                    .sink = sink_,
+                    .policies = relay_,
+                    .policy = policy_,
+                    .ledger = ledger_,
+                    .clock = clock_,
+                    .stop = stop},
+                   0, 0) {}
+
+  Result<LockstepResult> Run() {
+    while (!stop_ && !EndReached()) {
+      DADRL_RETURN_IF_ERROR(collector_.RunEpisode().map([](const auto&) {}));
+      DADRL_RETURN_IF_ERROR(sink_.status());
+      DADRL_RETURN_IF_ERROR(TrainWhileAllowed());
+    }
+    DADRL_RETURN_IF_ERROR(trainer_.SaveNow());
+    const CollectorProgress driven = collector_.progress();
+    return LockstepResult{.updates = updates_,
+                          .episodes = driven.episodes,
+                          .decisions = driven.decisions,
+                          .policy_hash = Xxh3(std::as_bytes(std::span(algorithm_->published_policy())))};
+  }
+
+ private:
+  bool EndReached() const {
+    const auto max_updates = static_cast<uint64_t>(config_.learner.max_updates);
+    return (max_updates > 0 && updates_ >= max_updates) ||
+           (config_.minutes > 0.0 && ToSeconds(clock_.Now().time_since_epoch()) >= 60.0 * config_.minutes);
+  }
+
+  // Trains until the replay holds samples back.
+  Status TrainWhileAllowed() {
+    while (!stop_ && !EndReached()) {
+      DADRL_ASSIGN_OR_RETURN(const Trainer::Step step, trainer_.RunStep(Duration::zero()));
+      DADRL_RETURN_IF_ERROR(batches_.status());
+      if (step == Trainer::Step::kNoBatch) return {};
+      ++updates_;
+      clock_.Advance(FromSeconds(kLockstepUpdateSeconds));
+    }
+    return {};
+  }
+
+  const Config config_;
+  const std::atomic<bool>& stop_;
+  ManualClock clock_;
+  TimeLedger ledger_{clock_};
+  std::unique_ptr<Environment> environment_;
+  std::unique_ptr<Algorithm> algorithm_;
+  std::unique_ptr<ReplayTable> table_;
+  CheckpointWriter checkpoints_;
+  TableSink sink_;
+  TableBatchSource batches_;
+  PolicyRelay relay_;
+  ActingPolicy policy_;
+  Trainer trainer_;
+  Collector collector_;
+  uint64_t updates_ = 0;
+};
+
+}  // namespace
+
+Result<LockstepResult> TrainInLockstep(const Config& config, const std::filesystem::path& run_directory,
+                                       const std::atomic<bool>& stop) {
+  DADRL_RETURN_IF_ERROR(CheckEnds(config));
+  auto store = CheckpointStore::Open(run_directory / "checkpoints", config.learner.checkpoints_kept);
+  if (!store) return tl::unexpected<Error>(std::move(store.error()));
+  DADRL_ASSIGN_OR_RETURN(auto algorithm, MakeAlgorithm(config));
+  DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
+                         BeginTraining(config, *store, 0, false, *algorithm));
+  DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(config));
+  // The replay's clock only measures waits, of which there are none here.
+  static const SystemClock replay_clock;
+  DADRL_ASSIGN_OR_RETURN(auto table, ReplayTable::Open(InMemoryTable(config), replay_clock));
+  Lockstep lockstep(config, std::move(environment), std::move(algorithm), std::move(table), std::move(*store),
+                    progress, stop);
+  return lockstep.Run();
+}
+
+}  // namespace dadrl

@@ -1,0 +1,83 @@
+#include "deploy/lockstep/lockstep.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace dadrl {
+namespace {
+
+namespace fs = std::filesystem;
+
+Config TinyTraining(uint64_t seed) {
+  Config config;
+  config.seed = seed;
+  config.replay.min_size = 200;
+  config.learner.max_updates = 60;
+  config.learner.publish_interval_s = 10 * kLockstepUpdateSeconds;
+  config.model.hidden = 64;
+  return config;
+}
+
+fs::path FreshDirectory(const std::string& name) {
+  const fs::path directory = fs::temp_directory_path() / fmt::format("lockstep_test_{}_{}", getpid(), name);
+  fs::remove_all(directory);
+  fs::create_directories(directory);
+  return directory;
+}
+
+// A process holds one simulation, so each training gets a process of its own.
+Result<LockstepResult> TrainInChild(const Config& config, const fs::path& directory) {
+  int ends[2];
+  if (pipe(ends) != 0) return Fail(ErrorCode::kInternal, "pipe");
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::atomic<bool> stop{false};
+    const auto result = TrainInLockstep(config, directory, stop);
+    const bool sent = result && write(ends[1], &*result, sizeof *result) == sizeof *result;
+    _exit(sent ? 0 : 1);
+  }
+  close(ends[1]);
+  LockstepResult result;
+  const bool received = read(ends[0], &result, sizeof result) == sizeof result;
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!received || status != 0) return Fail(ErrorCode::kInternal, "the training failed");
+  return result;
+}
+
+TEST(Lockstep, SameSeedGivesTheSameWeightsBitForBit) {
+  const auto first = TrainInChild(TinyTraining(5), FreshDirectory("first"));
+  const auto second = TrainInChild(TinyTraining(5), FreshDirectory("second"));
+  const auto other = TrainInChild(TinyTraining(6), FreshDirectory("other"));
+  ASSERT_TRUE(first && second && other);
+  EXPECT_EQ(first->updates, 60u);
+  EXPECT_GT(first->episodes, 0u);
+  EXPECT_EQ(first->decisions, second->decisions);
+  EXPECT_EQ(first->policy_hash, second->policy_hash);
+  EXPECT_NE(first->policy_hash, other->policy_hash);
+}
+
+TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
+  Config config = TinyTraining(1);
+  config.learner.max_updates = 0;
+  const std::atomic<bool> stop{false};
+  const auto result = TrainInLockstep(config, FreshDirectory("endless"), stop);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Lockstep, RefusesARunThatHasCheckpoints) {
+  const fs::path directory = FreshDirectory("used");
+  ASSERT_TRUE(TrainInChild(TinyTraining(2), directory));
+  const std::atomic<bool> stop{false};
+  const auto again = TrainInLockstep(TinyTraining(2), directory, stop);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace dadrl
