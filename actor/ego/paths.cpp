@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "actor/ego/smooth_line.h"
+
 namespace dadrl {
 namespace {
 
@@ -111,7 +113,7 @@ Path MakePath(const RoadMap& map, std::vector<int> lanes) {
     const std::vector<Point>& centre = LaneAt(map, lane).centre.points();
     points.insert(points.end(), centre.begin(), centre.end());
   }
-  Path path{std::move(lanes), Polyline(points), {}};
+  Path path{std::move(lanes), SmoothLine(Polyline(points)), {}};
   path.speed_caps = SpeedCaps(path.centre);
   return path;
 }

@@ -8,6 +8,7 @@ namespace dadrl {
 namespace {
 
 constexpr double kMinSpacing = 1e-3;
+constexpr size_t kBlockSegments = 16;
 
 // First index i such that arc[i + 1] >= s, kept a valid segment.
 size_t SegmentAt(const std::vector<double>& arc, double s) {
@@ -27,6 +28,17 @@ Polyline::Polyline(const std::vector<Point>& points) {
     points_.push_back(point);
   }
   assert(points_.size() >= 2);
+  BuildBlocks();
+}
+
+void Polyline::BuildBlocks() {
+  for (size_t first = 0; first + 1 < points_.size(); first += kBlockSegments) {
+    const size_t last = std::min(first + kBlockSegments, points_.size() - 1);
+    Block block{points_[(first + last) / 2], 0.0};
+    for (size_t i = first; i <= last; ++i)
+      block.radius = std::max(block.radius, Norm(points_[i] - block.centre));
+    blocks_.push_back(block);
+  }
 }
 
 Point Polyline::At(double s) const {
@@ -47,10 +59,8 @@ Polyline::Projection Polyline::Project(Point point, double s_low, double s_high)
   s_low = std::clamp(s_low, 0.0, length());
   s_high = std::clamp(s_high, s_low, length());
   Projection best;
-  double best_squared = std::numeric_limits<double>::infinity();
-  const size_t first = SegmentAt(arc_, s_low);
-  for (size_t i = first; i + 1 < points_.size(); ++i) {
-    if (i > first && arc_[i] > s_high) break;
+  best.distance = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](size_t i) {
     const Point direction = points_[i + 1] - points_[i];
     const double span = arc_[i + 1] - arc_[i];
     const Point offset = point - points_[i];
@@ -58,13 +68,18 @@ Polyline::Projection Polyline::Project(Point point, double s_low, double s_high)
                                     std::min(span, s_high - arc_[i]));
     const Point away = offset - (along / span) * direction;
     const double squared = Dot(away, away);
-    if (squared < best_squared) {
-      best_squared = squared;
-      const double side = Cross(direction, offset);
-      best.s = arc_[i] + along;
-      best.distance = std::sqrt(squared);
-      best.lateral = std::copysign(best.distance, side);
-    }
+    if (squared >= best.distance * best.distance) return;
+    best.distance = std::sqrt(squared);
+    best.s = arc_[i] + along;
+    best.lateral = std::copysign(best.distance, Cross(direction, offset));
+  };
+  const size_t first = SegmentAt(arc_, s_low);
+  const size_t last = SegmentAt(arc_, s_high);
+  for (size_t block = first / kBlockSegments; block <= last / kBlockSegments; ++block) {
+    if (Norm(point - blocks_[block].centre) - blocks_[block].radius > best.distance) continue;
+    const size_t begin = std::max(first, block * kBlockSegments);
+    const size_t end = std::min(last + 1, (block + 1) * kBlockSegments);
+    for (size_t i = begin; i < end; ++i) look_at(i);
   }
   return best;
 }

@@ -34,8 +34,16 @@ class Polyline {
   Projection Project(Point point, double s_low, double s_high) const;
 
  private:
+  // A circle around some segments in a row: far ones need no closer look.
+  struct Block {
+    Point centre;
+    double radius = 0.0;
+  };
+  void BuildBlocks();
+
   std::vector<Point> points_;
   std::vector<double> arc_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace dadrl

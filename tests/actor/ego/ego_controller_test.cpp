@@ -189,5 +189,20 @@ TEST(EgoController, WideCurvesAreNotSlowedDown) {
   EXPECT_LT(furthest, 0.3);
 }
 
+// A lane around a ring, drawn as coarsely as the roundabouts are.
+TEST(EgoController, PolygonsOfTheRoadDoNotShakeTheEgo) {
+  std::vector<Point> points;
+  for (int i = 0; i <= 35; ++i) {
+    points.push_back({48.9 * std::cos(i * 0.1496), 48.9 * std::sin(i * 0.1496)});
+  }
+  const RoadMap map({MakeLane("a_0", 0, points)}, {});
+  Drive drive(map, {"a_0"}, 10.0);
+  for (int step = 0; step < 200; ++step) {
+    drive.Step(10.0, 0);
+    if (step >= 20) EXPECT_LT(std::hypot(drive.ego().jerk_lon, drive.ego().jerk_lat), 1.0) << step;
+  }
+  EXPECT_NEAR(drive.ego().acceleration_lat, 100.0 / 48.9, 0.15);
+}
+
 }  // namespace
 }  // namespace dadrl

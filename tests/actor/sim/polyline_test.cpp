@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "common/util/random.h"
+
 namespace dadrl {
 namespace {
 
@@ -46,6 +50,33 @@ TEST(Polyline, WindowKeepsTheProjectionOnItsBranch) {
   EXPECT_DOUBLE_EQ(hairpin.Project(near_both, 0, 10).s, 5.0);
   EXPECT_DOUBLE_EQ(hairpin.Project(near_both, 6, 10).s, 6.0);
   EXPECT_DOUBLE_EQ(hairpin.Project(near_both, 30, 36).s, 36.0);
+}
+
+TEST(Polyline, ProjectionOfALongLineIsTheNearestOfItsSegments) {
+  Random random(3);
+  std::vector<Point> points{{0, 0}};
+  for (int i = 0; i < 200; ++i)
+    points.push_back(points.back() + Point{random.Uniform(-2, 3), random.Uniform(-2, 2)});
+  const Polyline line(points);
+  for (int i = 0; i < 500; ++i) {
+    const Point point{random.Uniform(-20, 120), random.Uniform(-40, 40)};
+    const double low = i % 2 == 0 ? 0.0 : random.Uniform(0, 300);
+    const double high = i % 2 == 0 ? line.length() : low + random.Uniform(0, 100);
+    double nearest = 1e9;
+    for (size_t k = 0; k + 1 < line.points().size(); ++k) {
+      const double from = std::max(low, line.arc()[k]);
+      const double to = std::min(high, line.arc()[k + 1]);
+      if (from > to) continue;
+      const Point direction = Forward(line.HeadingAt(0.5 * (line.arc()[k] + line.arc()[k + 1])));
+      const double along =
+          std::clamp(Dot(point - line.points()[k], direction), from - line.arc()[k], to - line.arc()[k]);
+      nearest = std::min(nearest, Norm(point - (line.points()[k] + along * direction)));
+    }
+    const auto projection = line.Project(point, low, high);
+    EXPECT_NEAR(projection.distance, nearest, 1e-9);
+    EXPECT_NEAR(Norm(line.At(projection.s) - point), nearest, 1e-9);
+    EXPECT_NEAR(std::abs(projection.lateral), nearest, 1e-9);
+  }
 }
 
 }  // namespace
