@@ -1,6 +1,7 @@
 #include "deploy/local/child_process.h"
 
 #include <fcntl.h>
+#include <linux/close_range.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -43,6 +44,8 @@ struct ChildPlan {
       dup2(plan.error_fd, STDERR_FILENO) < 0) {
     fail();
   }
+  // Also what the launcher itself inherited from whoever started it; best effort before Linux 5.11.
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
   for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGCHLD, SIGPIPE}) {
     signal(signal_number, SIG_DFL);
   }

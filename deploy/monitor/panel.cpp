@@ -124,7 +124,12 @@ void ProgressDisplay::Show(const Progress& progress) {
     std::fflush(stream_);
     return;
   }
-  const std::vector<std::string> lines = RenderPanel(progress, TerminalWidth(stream_));
+  const size_t width = TerminalWidth(stream_);
+  std::vector<std::string> lines = RenderPanel(progress, width);
+  if (progress.show_processes) {
+    const std::vector<std::string> processes = RenderProcesses(progress.summary, width);
+    lines.insert(lines.end(), processes.begin(), processes.end());
+  }
   Erase();
   for (const std::string& line : lines) fmt::print(stream_, "{}\n", line);
   std::fflush(stream_);

@@ -18,6 +18,7 @@ struct Progress {
   ClusterSummary summary;
   std::string last_evaluation;  // empty: none yet
   std::string bottleneck;
+  bool show_processes = false;  // a line each, below
 };
 
 // The panel, a line each, none wider than `width` columns.

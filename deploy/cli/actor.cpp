@@ -1,0 +1,130 @@
+#include <poll.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "common/util/random.h"
+#include "deploy/cli/command.h"
+#include "deploy/local/cluster_processes.h"
+#include "deploy/local/run_directory.h"
+#include "deploy/local/signals.h"
+#include "deploy/local/supervisor.h"
+
+namespace dadrl {
+namespace {
+
+struct ActorOptions {
+  std::string join;
+  int actors = 1;
+  int first_index = -1;  // -1: drawn
+  std::string run_dir;
+  ConfigOptions config;
+};
+
+constexpr Duration kTick = std::chrono::milliseconds(200);
+
+struct Endpoint {
+  std::string host;
+  int port = 0;  // 0: the configuration's
+};
+
+Result<Endpoint> ParseEndpoint(const std::string& text) {
+  const size_t colon = text.rfind(':');
+  Endpoint endpoint{.host = text.substr(0, colon)};
+  if (colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, endpoint.port);
+    if (error != std::errc() || stop != end || endpoint.port < 1 || endpoint.port > 60000) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  "--join: '{}' is not HOST or HOST:PORT with a port of 1 to 60000", text);
+    }
+  }
+  if (endpoint.host.empty()) return Fail(ErrorCode::kInvalidArgument, "--join: '{}' names no host", text);
+  return endpoint;
+}
+
+// Numbers that no other joining machine will have, and far from those of the cluster's own actors.
+int DrawFirstIndex(int actors) {
+  constexpr uint64_t kLast = 1'000'000;
+  Random random(DeriveSeed(static_cast<uint64_t>(WallTimeNs()), static_cast<uint64_t>(getpid())));
+  return 10'000 + static_cast<int>(random.Below(kLast - 10'000 - static_cast<uint64_t>(actors)));
+}
+
+// Supervises until the user stops it or no actor is left.
+Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
+  const SystemClock clock;
+  Supervisor supervisor(RestartLimits{}, clock,
+                        [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+  BecomeSubreaper();
+  for (ProcessSpec& spec : specs) DADRL_RETURN_IF_ERROR(supervisor.Start(std::move(spec)));
+  bool stopping = false;
+  while (!supervisor.AllEnded()) {
+    std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
+    supervisor.AppendWaitFds(fds);
+    const auto wait = std::chrono::duration_cast<std::chrono::milliseconds>(supervisor.NextDeadline(kTick));
+    poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
+    supervisor.Step();
+    ReapAdopted(supervisor.RunningPids());
+    const int requests = signals.StopRequests();
+    if (requests > 1) supervisor.KillAll();
+    if (requests == 1 && !stopping) {
+      stopping = true;
+      supervisor.StopRole(kActorRole);
+      fmt::print(stderr, "waiting for the actors to finish their step; once more Ctrl-C kills them\n");
+    }
+  }
+  return supervisor.Lost() ? 1 : 0;
+}
+
+Result<int> RunJoin(const ActorOptions& options) {
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
+  DADRL_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.join));
+  if (options.config.file.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--config is needed: the config.yaml of the run to join, copied from its run directory");
+  }
+  DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
+  DADRL_RETURN_IF_ERROR(Validate(config));
+  if (endpoint.port == 0 && config.cluster.port == 0) {
+    return Fail(ErrorCode::kInvalidArgument, "--join {}: {} names no cluster.port, so HOST:PORT is needed",
+                options.join, options.config.file);
+  }
+  const auto root = options.run_dir.empty() ? NewRunPath("runs", "join-" + endpoint.host)
+                                            : std::filesystem::path(options.run_dir);
+  DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(root));
+  DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
+  const int first = options.first_index >= 0 ? options.first_index : DrawFirstIndex(options.actors);
+  DADRL_ASSIGN_OR_RETURN(
+      std::vector<ProcessSpec> specs,
+      ActorProcesses(directory.paths(), first, options.actors, endpoint.host, endpoint.port));
+  fmt::print(stderr, "actors {} to {} join {}; logs in {}\n", first, first + options.actors - 1, options.join,
+             directory.paths().logs().string());
+  return RunActors(std::move(specs), *signals);
+}
+
+}  // namespace
+
+Command MakeActorCommand(CLI::App& dadrl) {
+  auto options = std::make_shared<ActorOptions>();
+  CLI::App* app =
+      dadrl.add_subcommand("actor", "Add actors on this machine to a cluster that runs elsewhere");
+  app->add_option("--join", options->join,
+                  "Where the cluster runs; it must have been started with cluster.host set to "
+                  "an address this machine reaches")
+      ->required()
+      ->type_name("HOST[:PORT]");
+  app->add_option("--actors", options->actors, "How many (default 1)")->check(CLI::Range(1, 4096));
+  app->add_option("--first-index", options->first_index,
+                  "Number of the first actor, unique in the cluster (default: drawn)")
+      ->check(CLI::Range(0, 900'000));
+  app->add_option("--run-dir", options->run_dir, "For the logs (default: runs/join-HOST-TIME)")
+      ->type_name("DIR");
+  options->config.AddTo(*app);
+  return {app, [options] { return RunJoin(*options); }};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,138 @@
+#include <poll.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <thread>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "common/io/atomic_file.h"
+#include "common/io/file_descriptor.h"
+#include "common/model/policy_file.h"
+#include "deploy/cli/command.h"
+#include "deploy/local/evaluation_job.h"
+#include "deploy/local/executables.h"
+#include "deploy/local/signals.h"
+
+namespace dadrl {
+namespace {
+
+struct EvaluateOptions {
+  std::string policy;
+  std::string scenario;
+  int episodes = 50;
+  int groups = 5;
+  uint64_t first_seed = kFirstEvaluationSeed;
+  int processes = 0;  // 0: one a core
+  bool json = false;
+  std::string csv;
+  ConfigOptions config;
+};
+
+constexpr int kTickMs = 200;
+
+// A file is read here, so that a damaged one is one clear message; any other word is left to dadrl-actor,
+// which knows the scripted drivers. Fills in the scenario a learned policy was trained on.
+Status CheckPolicy(const EvaluateOptions& options, Config& config) {
+  std::error_code error;
+  const bool is_file = std::filesystem::exists(options.policy, error);
+  const bool looks_like_file = options.policy.find_first_of("/.") != std::string::npos;
+  if (!is_file && !looks_like_file) {
+    if (!options.scenario.empty()) return {};
+    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}",
+                options.policy, fmt::join(ScenarioNames(), ", "));
+  }
+  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(options.policy));
+  if (options.scenario.empty()) config.scenario = policy.config.scenario;
+  return {};
+}
+
+// The effective configuration as a file that the evaluating processes can open while `file` lives.
+Result<std::filesystem::path> ShareConfig(const Config& config, const FileDescriptor& file) {
+  const std::string yaml = ToYaml(config, false);
+  DADRL_RETURN_IF_ERROR(WriteAll(file, std::as_bytes(std::span(yaml)), "configuration"));
+  return std::filesystem::path(fmt::format("/proc/{}/fd/{}", getpid(), file.get()));
+}
+
+// False when the user stopped it.
+bool RunToEnd(EvaluationJob& job, SignalWatcher& signals) {
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  while (!job.done()) {
+    job.Step();
+    std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
+    job.AppendWaitFds(fds);
+    poll(fds.data(), fds.size(), kTickMs);
+    if (signals.StopRequests() > 0) return false;
+    if (terminal) fmt::print(stderr, "\r{} of {} episodes", job.finished_episodes(), job.planned_episodes());
+  }
+  if (terminal) fmt::print(stderr, "\r\x1b[K");
+  return true;
+}
+
+Result<int> RunEvaluate(const EvaluateOptions& options) {
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
+  DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
+  if (!options.scenario.empty()) config.scenario = options.scenario;
+  DADRL_RETURN_IF_ERROR(CheckPolicy(options, config));
+  DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
+  DADRL_RETURN_IF_ERROR(Validate(config));
+  DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
+  const FileDescriptor config_file(memfd_create("config", MFD_CLOEXEC));
+  DADRL_ASSIGN_OR_RETURN(const auto config_path, ShareConfig(config, config_file));
+
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  DADRL_ASSIGN_OR_RETURN(
+      EvaluationJob job,
+      EvaluationJob::Create({.program = program,
+                             .policy = options.policy,
+                             .policy_label = options.policy,
+                             .scenario = config.scenario,
+                             .config = config_path,
+                             .first_seed = options.first_seed,
+                             .groups = options.groups,
+                             .episodes = options.episodes,
+                             .processes = options.processes > 0 ? options.processes : cores}));
+  if (!RunToEnd(job, *signals)) {
+    return Fail(ErrorCode::kUnavailable, "stopped after {} of {} episodes", job.finished_episodes(),
+                job.planned_episodes());
+  }
+  DADRL_ASSIGN_OR_RETURN(const EvaluationReport report, job.TakeReport());
+  if (!options.csv.empty()) {
+    DADRL_RETURN_IF_ERROR(WriteFileAtomically(options.csv, std::string_view(ReportCsv(report))));
+  }
+  if (options.json) {
+    fmt::print("{}\n", ReportJson(report));
+  } else {
+    fmt::print("{}", ReportTable(report));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command MakeEvaluateCommand(CLI::App& dadrl) {
+  auto options = std::make_shared<EvaluateOptions>();
+  CLI::App* app =
+      dadrl.add_subcommand("evaluate", "Drive unseen traffic with a policy and report how it went");
+  app->add_option("--policy", options->policy,
+                  "Policy file, or a scripted driver: random, rdm, slow, idm, predictive")
+      ->required();
+  app->add_option("--scenario", options->scenario, "Default: the one the policy was trained on");
+  app->add_option("--episodes", options->episodes, "Of each seed group (default 50)")
+      ->check(CLI::Range(1, 1000));
+  app->add_option("--seeds", options->groups, "Seed groups (default 5)")->check(CLI::Range(1, 1000));
+  app->add_option("--first-seed", options->first_seed,
+                  "Traffic seeds are K + 1000 group + episode (default 1000000)")
+      ->type_name("K");
+  app->add_option("--processes", options->processes, "Default: one a core")->check(CLI::Range(1, 1024));
+  app->add_flag("--json", options->json, "One JSON object on standard output");
+  app->add_option("--csv", options->csv, "Also write a row an episode to this file")->type_name("FILE");
+  options->config.AddTo(*app);
+  return {app, [options] { return RunEvaluate(*options); }};
+}
+
+}  // namespace dadrl

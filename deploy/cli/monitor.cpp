@@ -1,0 +1,115 @@
+#include <poll.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "common/config/config_yaml.h"
+#include "deploy/cli/command.h"
+#include "deploy/local/run_directory.h"
+#include "deploy/local/run_results.h"
+#include "deploy/local/signals.h"
+#include "deploy/monitor/bottleneck.h"
+#include "deploy/monitor/cluster_monitor.h"
+#include "deploy/monitor/monitor_json.h"
+#include "deploy/monitor/panel.h"
+
+namespace dadrl {
+namespace {
+
+struct MonitorOptions {
+  std::string run_dir = "runs/latest";
+  bool json = false;
+  bool once = false;
+};
+
+constexpr Duration kTick = std::chrono::milliseconds(50);
+
+// Enough messages for rates: intervals of the status messages.
+constexpr double kListenIntervals = 4.0;
+// Without a word for so long, nobody is there.
+constexpr double kPatienceIntervals = 10.0;
+
+// Listens until rates are known and no new process shows up; kUnavailable when nobody speaks.
+Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& signals, const Clock& clock) {
+  const TimePoint start = clock.Now();
+  const double interval_s = config.telemetry.interval_s;
+  while (signals.StopRequests() == 0) {
+    monitor.Poll(kTick);
+    const double waited_s = ToSeconds(clock.Now() - start);
+    if (monitor.ReportingProcesses() > 0 && waited_s >= kListenIntervals * interval_s) return {};
+    if (waited_s >= std::max(5.0, kPatienceIntervals * interval_s)) break;
+  }
+  return Fail(ErrorCode::kUnavailable,
+              "nobody reports: the run is starting, or its telemetry does not reach here");
+}
+
+Progress MakeProgress(const RunPaths& paths, const Config& config, const ClusterMonitor& monitor) {
+  Progress progress;
+  progress.summary = monitor.Summarize();
+  progress.title = fmt::format("dadrl monitor {}  ({})", config.scenario, paths.root.string());
+  progress.phase = progress.summary.updates_per_s > 0 ? "training" : "not training";
+  for (const ProcessRow& row : progress.summary.processes) {
+    progress.elapsed_s = std::max(progress.elapsed_s, row.uptime_s);
+  }
+  progress.last_evaluation = LastEvaluation(paths.results());
+  progress.bottleneck = DescribeBottleneck(progress.summary, config);
+  return progress;
+}
+
+void PrintOnce(const Progress& progress, const Config& config, bool json) {
+  if (json) {
+    auto object = MonitorJson(progress.summary, progress.bottleneck);
+    object["scenario"] = config.scenario;
+    fmt::print("{}\n", object.dump());
+    return;
+  }
+  constexpr size_t kWide = 200;
+  for (const std::string& line : RenderPanel(progress, kWide)) fmt::print("{}\n", line);
+  for (const std::string& line : RenderProcesses(progress.summary, kWide)) fmt::print("{}\n", line);
+}
+
+Result<int> RunMonitor(const MonitorOptions& options) {
+  const RunPaths paths{.root = options.run_dir};
+  if (!std::filesystem::exists(paths.config())) {
+    return Fail(ErrorCode::kNotFound, "{} holds no run (no config.yaml): name one with --run-dir",
+                options.run_dir);
+  }
+  Config config;
+  DADRL_RETURN_IF_ERROR(LoadYaml(paths.config(), config));
+  if (!IsRunning(paths)) {
+    return Fail(ErrorCode::kUnavailable,
+                "{} is not running: start it, or go on with it: dadrl train --resume --run-dir {}",
+                options.run_dir, options.run_dir);
+  }
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
+  const SystemClock clock;
+  DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, clock, {}));
+  DADRL_RETURN_IF_ERROR(Listen(*monitor, config, *signals, clock));
+  if (options.json || options.once) {
+    PrintOnce(MakeProgress(paths, config, *monitor), config, options.json);
+    return 0;
+  }
+  ProgressDisplay display(stdout, clock);
+  while (signals->StopRequests() == 0 && IsRunning(paths)) {
+    monitor->Poll(kTick);
+    if (!display.Due()) continue;
+    Progress progress = MakeProgress(paths, config, *monitor);
+    progress.show_processes = true;
+    display.Show(progress);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command MakeMonitorCommand(CLI::App& dadrl) {
+  auto options = std::make_shared<MonitorOptions>();
+  CLI::App* app = dadrl.add_subcommand("monitor", "Show what a running cluster does and who holds it up");
+  app->add_option("--run-dir", options->run_dir, "Which run (default: runs/latest)")->type_name("DIR");
+  app->add_flag("--json", options->json, "One JSON object, once");
+  app->add_flag("--once", options->once, "Print once instead of until Ctrl-C");
+  return {app, [options] { return RunMonitor(*options); }};
+}
+
+}  // namespace dadrl

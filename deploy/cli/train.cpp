@@ -1,0 +1,111 @@
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "deploy/cli/command.h"
+#include "deploy/local/cluster_port.h"
+#include "deploy/local/executables.h"
+#include "deploy/local/resume_rules.h"
+#include "deploy/local/training_run.h"
+#include "deploy/monitor/bottleneck.h"
+
+namespace dadrl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TrainOptions {
+  std::string scenario;
+  ConfigOptions config;
+  std::optional<int> actors;
+  std::optional<double> minutes;
+  std::optional<uint64_t> seed;
+  bool resume = false;
+  std::string run_dir;
+
+  fs::path ResumedDirectory() const { return run_dir.empty() ? fs::path("runs/latest") : fs::path(run_dir); }
+};
+
+// The dedicated options as if they were --set: one place for ranges and messages.
+ConfigOptions WithShortOptions(const TrainOptions& options) {
+  ConfigOptions config = options.config;
+  if (!options.scenario.empty()) config.sets.push_back("scenario=" + options.scenario);
+  if (options.actors) config.sets.push_back(fmt::format("actor.count={}", *options.actors));
+  if (options.minutes) config.sets.push_back(fmt::format("minutes={}", *options.minutes));
+  if (options.seed) config.sets.push_back(fmt::format("seed={}", *options.seed));
+  return config;
+}
+
+// What the run shall do; for a resumed one, `saved` is what it did so far.
+Result<Config> EffectiveConfig(const TrainOptions& options, const std::optional<Config>& saved) {
+  DADRL_ASSIGN_OR_RETURN(Config config, WithShortOptions(options).Apply(saved.value_or(Config{})));
+  if (saved) DADRL_RETURN_IF_ERROR(CheckResumable(*saved, config));
+  DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
+  DADRL_RETURN_IF_ERROR(Validate(config));
+  return config;
+}
+
+void PrintSummary(const RunPaths& paths, const Config& config, RunOutcome outcome) {
+  fmt::print("run:     {}\nresults: {}\n", paths.root.string(), paths.results().string());
+  std::error_code error;
+  if (fs::exists(paths.policy(), error)) fmt::print("policy:  {}\n", paths.policy().string());
+  if (outcome != RunOutcome::kFinished) {
+    fmt::print("go on:   dadrl train {} --resume --run-dir {}\n", config.scenario, paths.root.string());
+  }
+}
+
+Result<int> RunTrain(const TrainOptions& options) {
+  if (options.scenario.empty() && !options.resume) {
+    return Fail(ErrorCode::kInvalidArgument, "which scenario? There are: {}",
+                fmt::join(ScenarioNames(), ", "));
+  }
+  // Before any thread starts: they inherit the signal mask.
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
+
+  std::optional<RunDirectory> directory;
+  std::optional<Config> saved;
+  if (options.resume) {
+    DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::OpenExisting(options.ResumedDirectory()));
+    DADRL_RETURN_IF_ERROR(LoadYaml(directory->paths().config(), saved.emplace()));
+  }
+  DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
+  DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
+  if (!directory) {
+    const fs::path root =
+        options.run_dir.empty() ? NewRunPath("runs", config.scenario) : fs::path(options.run_dir);
+    DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::CreateNew(root));
+  }
+  DADRL_RETURN_IF_ERROR(directory->SaveConfig(config));
+  if (options.run_dir.empty() && !options.resume) LinkLatest(directory->paths().root);
+
+  const SystemClock clock;
+  ProgressDisplay display(stdout, clock);
+  DADRL_ASSIGN_OR_RETURN(const auto run,
+                         TrainingRun::Create(directory->paths(), config, options.resume, *signals, display));
+  DADRL_ASSIGN_OR_RETURN(const RunOutcome outcome, run->Run());
+  display.Finish();
+  PrintSummary(directory->paths(), config, outcome);
+  return outcome == RunOutcome::kFailed ? 1 : 0;
+}
+
+}  // namespace
+
+Command MakeTrainCommand(CLI::App& dadrl) {
+  auto options = std::make_shared<TrainOptions>();  // lives as long as the parser's references to it
+  CLI::App* app = dadrl.add_subcommand("train", "Train on a local cluster: replay, learner, actors");
+  app->add_option("scenario", options->scenario,
+                  "What to learn: " + fmt::format("{}", fmt::join(ScenarioNames(), ", ")));
+  app->add_option("--actors", options->actors, "Actor processes (actor.count)");
+  app->add_option("--minutes", options->minutes, "Minutes of training; 0 is until stopped (minutes)");
+  app->add_option("--seed", options->seed, "Of everything random (seed)");
+  app->add_flag("--resume", options->resume, "Go on with the run in --run-dir (default: runs/latest)");
+  app->add_option("--run-dir", options->run_dir, "Where the run lives (default: runs/SCENARIO-TIME)")
+      ->type_name("DIR");
+  options->config.AddTo(*app);
+  return {app, [options] { return RunTrain(*options); }};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,198 @@
+#include "deploy/local/machine_checks.h"
+
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/timex.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "common/dds/node.h"
+#include "common/io/file_descriptor.h"
+#include "deploy/local/child_process.h"
+#include "deploy/local/executables.h"
+#include "proto/telemetry.h"
+
+namespace dadrl {
+namespace {
+
+constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+
+struct CommandResult {
+  bool ran = false;  // and ended with exit code 0
+  std::string output;
+};
+
+std::string Content(const FileDescriptor& file) {
+  std::ifstream stream(fmt::format("/proc/self/fd/{}", file.get()));
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+// Runs a short command and returns what it printed; killed after ten seconds.
+CommandResult Capture(std::vector<std::string> command) {
+  const FileDescriptor output(memfd_create("output", MFD_CLOEXEC));
+  auto child = ChildProcess::Spawn({.command = std::move(command),
+                                    .log = fmt::format("/proc/self/fd/{}", output.get()),
+                                    .stdout_fd = output.get()});
+  if (!child) return {.ran = false, .output = child.error().message};
+  pollfd fd{.fd = child->pidfd(), .events = POLLIN, .revents = 0};
+  if (poll(&fd, 1, 10'000) != 1) return {.ran = false, .output = "it does not answer within ten seconds"};
+  const auto status = child->TryWait();
+  return {.ran = status && status->success(), .output = Content(output)};
+}
+
+std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+// A start with --help loads every shared library that the program needs.
+MachineCheck CheckProgram(const std::string& name) {
+  MachineCheck check{.name = name, .detail = "starts", .remedy = ""};
+  const auto program = FindExecutable(name);
+  if (!program) return {name, CheckState::kBroken, "not built", program.error().message};
+  const CommandResult help = Capture({program->string(), "--help"});
+  if (help.ran) return check;
+  return {name, CheckState::kBroken, FirstLine(help.output),
+          "install the packages of deploy/packages.txt (deploy/quickstart.sh does)"};
+}
+
+MachineCheck CheckSumo() {
+  const CommandResult version = Capture({"sumo", "--version"});
+  if (version.ran) return {"SUMO", CheckState::kGood, FirstLine(version.output), ""};
+  return {"SUMO", CheckState::kBroken, FirstLine(version.output),
+          "apt-get install --no-install-recommends sumo"};
+}
+
+MachineCheck CheckScenarios() {
+  const std::vector<std::string> names = ScenarioNames();
+  if (names.empty()) {
+    return {"scenarios", CheckState::kBroken, "none in " + ScenarioFolder().string(),
+            "build everything: cmake --build --preset release"};
+  }
+  return {"scenarios", CheckState::kGood, fmt::format("{}", fmt::join(names, ", ")), ""};
+}
+
+MachineCheck CheckPorts(int port) {
+  if (port > 0) return {"UDP ports", CheckState::kGood, fmt::format("block at {}", port), ""};
+  return {"UDP ports", CheckState::kBroken, "no free block", "stop other clusters, or set cluster.port"};
+}
+
+// Whether a packet that this host multicasts comes back to it, as LCM needs.
+MachineCheck CheckMulticast(const ClusterConfig& cluster) {
+  const std::string remedy =
+      "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo (training works without, "
+      "blindly)";
+  const std::string url = TelemetryUrl(cluster);
+  const auto subscriber = TelemetrySubscriber::Create(url);
+  if (!subscriber) return {"multicast", CheckState::kWarning, subscriber.error().message, remedy};
+  TelemetryPublisher publisher(url);
+  bool heard = false;
+  ProcessStatus probe;
+  probe.role = dds::Role::kMonitor;
+  for (int i = 0; i < 20 && !heard; ++i) {
+    publisher.Publish(probe);
+    (*subscriber)
+        ->Poll(
+            std::chrono::milliseconds(50), [&](const ProcessStatus&) { heard = true; },
+            [](const EpisodeReport&) {});
+  }
+  if (heard) return {"multicast", CheckState::kGood, "this host hears itself", ""};
+  return {"multicast", CheckState::kWarning, "this host does not hear itself", remedy};
+}
+
+MachineCheck CheckClock() {
+  constexpr std::time_t kPlausible = 1'700'000'000;  // November 2023
+  if (std::time(nullptr) < kPlausible) {
+    return {"clock", CheckState::kBroken, "the date lies years back", "set the date"};
+  }
+  timex state{};
+  if (adjtimex(&state) == TIME_ERROR) {
+    return {"clock", CheckState::kWarning, "not synchronised (matters only across machines)",
+            "run an NTP client, e.g. apt-get install chrony"};
+  }
+  return {"clock", CheckState::kGood, "synchronised", ""};
+}
+
+int64_t NumberIn(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  int64_t value = 0;
+  stream >> value;
+  return value;
+}
+
+double AvailableMemory() {
+  std::ifstream stream("/proc/meminfo");
+  for (std::string key; stream >> key;) {
+    double kib = 0.0;
+    if (key == "MemAvailable:" && stream >> kib) return 1024.0 * kib;
+    stream.ignore(256, '\n');
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+MachineCheck CheckReceiveBuffer(int64_t wanted_bytes, int64_t system_limit_bytes) {
+  const std::string found =
+      fmt::format("{:.1f} MiB allowed", static_cast<double>(system_limit_bytes) / (1 << 20));
+  if (system_limit_bytes >= wanted_bytes) return {"UDP buffers", CheckState::kGood, found, ""};
+  return {"UDP buffers", CheckState::kWarning, found + ", big batches may be sent twice",
+          fmt::format("sysctl -w net.core.rmem_max={}", wanted_bytes)};
+}
+
+MachineCheck CheckDisk(const std::string& folder, double free_bytes, double wanted_bytes) {
+  const std::string found = fmt::format("{:.1f} GiB free in {}", free_bytes / kGiB, folder);
+  if (free_bytes >= wanted_bytes) return {"disk", CheckState::kGood, found, ""};
+  const std::string remedy =
+      fmt::format("free {:.1f} GiB, use another --run-dir, or lower replay.max_disk_bytes",
+                  (wanted_bytes - free_bytes) / kGiB);
+  return {"disk", free_bytes < kGiB ? CheckState::kBroken : CheckState::kWarning, found, remedy};
+}
+
+MachineCheck CheckMemory(double available_bytes, double wanted_bytes) {
+  const std::string found = fmt::format("{:.1f} GiB available", available_bytes / kGiB);
+  if (available_bytes >= wanted_bytes) return {"memory", CheckState::kGood, found, ""};
+  return {"memory", CheckState::kWarning, found,
+          fmt::format("lower replay.max_memory_bytes or actor.count; {:.1f} GiB "
+                      "would suffice",
+                      wanted_bytes / kGiB)};
+}
+
+MachineCheck CheckCores(int cores, int processes) {
+  const std::string found = fmt::format("{} for {} busy processes", cores, processes);
+  if (cores >= processes) return {"cores", CheckState::kGood, found, ""};
+  return {"cores", CheckState::kWarning, found, "expect training to be slower; fewer actors (--actors) help"};
+}
+
+std::vector<MachineCheck> CheckMachine(const Config& config) {
+  std::vector<MachineCheck> checks;
+  for (const char* program : {"dadrl-replay", "dadrl-learner", "dadrl-actor"})
+    checks.push_back(CheckProgram(program));
+  checks.push_back(CheckSumo());
+  checks.push_back(CheckScenarios());
+  Config probe = config;
+  if (probe.cluster.port == 0) probe.cluster.port = dds::FindFreePort().value_or(0);
+  checks.push_back(CheckPorts(probe.cluster.port));
+  checks.push_back(CheckMulticast(probe.cluster));
+  checks.push_back(
+      CheckReceiveBuffer(config.cluster.receive_buffer_bytes, NumberIn("/proc/sys/net/core/rmem_max")));
+  std::error_code error;
+  const auto space = std::filesystem::space(".", error);
+  checks.push_back(CheckDisk("the current folder", static_cast<double>(space.available),
+                             static_cast<double>(config.replay.max_disk_bytes) + kGiB));
+  // An actor with SUMO takes about a quarter of a gibibyte.
+  checks.push_back(CheckMemory(AvailableMemory(), static_cast<double>(config.replay.max_memory_bytes) +
+                                                      kGiB * (1.0 + 0.25 * config.actor.count)));
+  checks.push_back(CheckCores(static_cast<int>(std::thread::hardware_concurrency()),
+                              config.learner.threads + config.actor.count));
+  checks.push_back(CheckClock());
+  return checks;
+}
+
+}  // namespace dadrl

@@ -1,0 +1,94 @@
+#include "deploy/local/run_results.h"
+
+#include <system_error>
+#include <utility>
+
+#include "common/io/atomic_file.h"
+#include "common/io/read_file.h"
+
+namespace dadrl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kMaxBytes = uint64_t{64} << 20;
+
+double Number(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
+}
+
+Json EvaluationJson(const EvaluatedAt& at, const EvaluationReport& report) {
+  Json json = {{"elapsed_s", at.elapsed_s}, {"updates", at.updates}, {"policy_version", at.policy_version}};
+  json.update(Json::parse(ReportJson(report)));
+  return json;
+}
+
+}  // namespace
+
+RunResults RunResults::Load(const std::filesystem::path& path, const Config& config) {
+  RunResults results(path);
+  if (const auto text = ReadTextFile(path, kMaxBytes)) {
+    results.json_ = Json::parse(*text, nullptr, false);
+    if (!results.json_.is_object()) {
+      std::error_code ignored;
+      std::filesystem::rename(path, path.string() + ".corrupt", ignored);
+      results.json_ = Json::object();
+    }
+  } else {
+    results.json_ = Json::object();
+  }
+  Json& json = results.json_;
+  results.earlier_s_ = Number(json, "training_s");
+  results.earlier_env_steps_ = Number(json, "env_steps");
+  results.earlier_episodes_ = Number(json, "training_episodes");
+  json["scenario"] = config.scenario;
+  json["seed"] = config.seed;
+  if (!json["evaluations"].is_array()) json["evaluations"] = Json::array();
+  return results;
+}
+
+void RunResults::AddEvaluation(const EvaluatedAt& at, const EvaluationReport& report) {
+  json_["evaluations"].push_back(EvaluationJson(at, report));
+}
+
+void RunResults::SetFinal(const EvaluatedAt& at, const EvaluationReport& report) {
+  json_["final"] = EvaluationJson(at, report);
+}
+
+void RunResults::Update(const std::string& state, double session_s, const ClusterSummary& summary) {
+  json_["state"] = state;
+  json_["training_s"] = earlier_s_ + session_s;
+  if (summary.updates > 0) json_["updates"] = static_cast<uint64_t>(summary.updates);
+  if (summary.weights_version > 0) json_["weights_version"] = static_cast<uint64_t>(summary.weights_version);
+  json_["env_steps"] = static_cast<uint64_t>(earlier_env_steps_ + summary.env_steps);
+  json_["training_episodes"] = static_cast<uint64_t>(earlier_episodes_ + summary.episodes);
+}
+
+Status RunResults::Save() const { return WriteFileAtomically(path_, std::string_view(json_.dump(2) + "\n")); }
+
+std::string LastEvaluation(const std::filesystem::path& results) {
+  const auto text = ReadTextFile(results, kMaxBytes);
+  const Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  if (!json.is_object()) return "";
+  const Json* last = json.contains("final") ? &json["final"] : nullptr;
+  if (last == nullptr && json.contains("evaluations") && json["evaluations"].is_array() &&
+      !json["evaluations"].empty()) {
+    last = &json["evaluations"].back();
+  }
+  if (last == nullptr || !last->is_object()) return "";
+  return fmt::format("{:.0f} updates: success {:.1f} %, collision {:.1f} % of {:.0f} unseen episodes",
+                     Number(*last, "updates"), 100 * Number(*last, "success"),
+                     100 * Number(*last, "collision"), Number(*last, "episodes"));
+}
+
+std::string ReportLine(const EvaluationReport& report) {
+  const EvaluationFigures& all = report.all;
+  return fmt::format(
+      "success {:.1f} % [{:.1f}, {:.1f}], collision {:.1f} %, off-road {:.1f} %, stagnation {:.1f} % "
+      "of {} unseen episodes",
+      100 * all.success, 100 * report.success_ci95.first, 100 * report.success_ci95.second,
+      100 * all.collision, 100 * all.off_road, 100 * all.stagnation, all.episodes);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,93 @@
+// One `dadrl train`: a local cluster from its start to its last result.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/util/clock.h"
+#include "common/util/result.h"
+#include "deploy/local/episode_log.h"
+#include "deploy/local/evaluation_job.h"
+#include "deploy/local/run_directory.h"
+#include "deploy/local/run_results.h"
+#include "deploy/local/signals.h"
+#include "deploy/local/supervisor.h"
+#include "deploy/monitor/cluster_monitor.h"
+#include "deploy/monitor/panel.h"
+
+namespace dadrl {
+
+// How a training ended.
+enum class RunOutcome {
+  kFinished,     // by minutes or learner.max_updates; drained and evaluated
+  kInterrupted,  // drained on the user's word; --resume goes on
+  kFailed,       // a process could not be kept alive, or the user would not wait
+};
+
+// Supervises replay, learner and actors, shows progress, evaluates in between and at the end, drains in
+// order: actors, then the learner (its checkpoint), then the replay. Not thread safe; lives on the main
+// thread.
+class TrainingRun {
+ public:
+  // Borrows `signals` and `display`; `config` is what was saved to the run directory.
+  static Result<std::unique_ptr<TrainingRun>> Create(const RunPaths& paths, const Config& config, bool resume,
+                                                     SignalWatcher& signals, ProgressDisplay& display);
+
+  // Blocks until everything has ended. An error is one of starting; afterwards failures are an outcome.
+  Result<RunOutcome> Run();
+
+ private:
+  enum class Phase { kTraining, kDrainingActors, kDrainingLearner, kDrainingReplay, kFinalEvaluation, kDone };
+
+  TrainingRun(const RunPaths& paths, const Config& config, bool resume, SignalWatcher& signals,
+              ProgressDisplay& display);
+  void OpenTelemetry();
+  Status StartCluster();
+
+  void WaitForEvents();
+  void HandleStopRequests();
+  void Advance();
+  void AdvanceTraining();
+  // Leaves kTraining towards `outcome`; `why` is shown.
+  void BeginDrain(RunOutcome outcome, const std::string& why);
+  void Drain(const char* role, Phase next, const std::string& awaited);
+  void AdvanceEvaluation();
+  // Copies the newest policy and starts an evaluation of it; false when there is none.
+  bool StartEvaluation(bool final);
+  void FinishEvaluation();
+  void EndRun(RunOutcome outcome);
+  void KillEverything();
+
+  Progress MakeProgress() const;
+  std::string PhaseText(const ClusterSummary& summary) const;
+  void SaveResults(const char* state);
+  double SessionSeconds() const;
+
+  const RunPaths paths_;
+  const Config config_;
+  const bool resume_;
+  SignalWatcher& signals_;
+  ProgressDisplay& display_;
+  SystemClock clock_;
+  Supervisor supervisor_;
+  std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
+  std::optional<EpisodeLog> episodes_;
+  RunResults results_;
+  std::optional<EvaluationJob> evaluation_;
+  EvaluatedAt evaluated_at_;
+  bool final_evaluation_ = false;  // which kind `evaluation_` is
+  std::string last_evaluation_;
+
+  Phase phase_ = Phase::kTraining;
+  RunOutcome outcome_ = RunOutcome::kFinished;
+  TimePoint started_{};
+  double trained_s_ = 0.0;  // of this session, fixed when draining begins
+  TimePoint next_evaluation_{};
+  TimePoint next_save_{};
+  int stop_requests_ = 0;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,160 @@
+#include "deploy/local/evaluation_job.h"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <set>
+
+#include "tests/deploy/local/test_processes.h"
+
+namespace dadrl {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(SliceEpisodes, CutsGroupsIntoConsecutiveSeedsOfSimilarSize) {
+  const auto plan = PlanEpisodes(1'000'000, 2, 5);
+  ASSERT_TRUE(plan);
+  EXPECT_THAT(SliceEpisodes(*plan, 1),
+              ElementsAre(EvaluationSlice{0, 1'000'000, 3}, EvaluationSlice{0, 1'000'003, 2},
+                          EvaluationSlice{1, 1'001'000, 3}, EvaluationSlice{1, 1'001'003, 2}));
+  int total = 0;
+  for (const EvaluationSlice& slice : SliceEpisodes(*PlanEpisodes(1'000'000, 5, 50), 2)) total += slice.count;
+  EXPECT_EQ(total, 250);
+}
+
+// The subject is the gathering process, so what it starts is a script that speaks dadrl-actor's protocol: it
+// prints prepared lines, `line-SEED`, for the seeds it is given.
+class EvaluationJobTest : public testing::Test {
+ protected:
+  // `body` runs for each seed in $seed.
+  std::filesystem::path Driver(const std::string& body) {
+    const auto file = folder_.path() / "driver";
+    std::ofstream(file) << "#!/bin/sh\nfolder=" << folder_.path().string()
+                        << "\nseeds=$7\nseed=${seeds%%:*}\nlast=$((seed + ${seeds##*:}))\n"
+                           "while [ $seed -lt $last ]; do\n"
+                        << body << "\nseed=$((seed + 1))\ndone\n";
+    chmod(file.c_str(), 0755);
+    return file;
+  }
+
+  EvaluationJob MakeJob(const std::string& body, int groups, int episodes, int processes) {
+    for (int group = 0; group < groups; ++group) {
+      for (int i = 0; i < episodes; ++i) {
+        EvaluatedEpisode episode;
+        episode.summary.seed = kFirstEvaluationSeed + static_cast<uint64_t>(1000 * group + i);
+        episode.summary.outcome = i % 4 == 0 ? Outcome::kCollision : Outcome::kSuccess;
+        std::ofstream(folder_.path() / ("line-" + std::to_string(episode.summary.seed)))
+            << EpisodeLine(episode) << "\n";
+      }
+    }
+    auto job = EvaluationJob::Create({.program = Driver(body),
+                                      .policy = "rdm",
+                                      .policy_label = "rdm",
+                                      .scenario = "left_turn",
+                                      .config = {},
+                                      .groups = groups,
+                                      .episodes = episodes,
+                                      .processes = processes});
+    EXPECT_TRUE(job);
+    return std::move(*job);
+  }
+
+  static bool RunToEnd(EvaluationJob& job) {
+    return Eventually([&] {
+      job.Step();
+      return job.done();
+    });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(EvaluationJobTest, GathersEveryEpisodeOnce) {
+  EvaluationJob job = MakeJob("cat $folder/line-$seed", 3, 8, 4);
+  ASSERT_TRUE(RunToEnd(job));
+  EXPECT_EQ(job.finished_episodes(), 24);
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->all.episodes, 24);
+  EXPECT_DOUBLE_EQ(report->all.success, 0.75);
+  ASSERT_EQ(report->per_seed.size(), 3u);
+  EXPECT_EQ(report->per_seed[2].first_seed, 1'002'000u);
+  std::set<uint64_t> seeds;
+  for (const EvaluatedEpisode& episode : report->episodes) seeds.insert(episode.summary.seed);
+  EXPECT_EQ(seeds.size(), 24u);
+}
+
+TEST_F(EvaluationJobTest, NeverRunsMoreProcessesThanAsked) {
+  EvaluationJob job = MakeJob("sleep 0.02; cat $folder/line-$seed", 1, 12, 3);
+  ASSERT_TRUE(Eventually([&] {
+    job.Step();
+    EXPECT_LE(job.RunningPids().size(), 3u);
+    return job.done();
+  }));
+}
+
+TEST_F(EvaluationJobTest, GivesTheRestOfADeadProcessToAnother) {
+  EvaluationJob job = MakeJob(
+      "cat $folder/line-$seed; if [ $seed = 1000001 ] && [ ! -e $folder/died ]; then : > $folder/died; kill "
+      "-9 $$; fi",
+      1, 6, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "died"));
+  EXPECT_EQ(report->all.episodes, 6);
+}
+
+TEST_F(EvaluationJobTest, FailsWithTheLogOfAProcessThatDiesTwice) {
+  EvaluationJob job =
+      MakeJob("[ $seed = 1000003 ] && { echo out of luck >&2; exit 1; }; cat $folder/line-$seed", 1, 6, 2);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, HasSubstr("seed 1000003 (exit code 1)"));
+  EXPECT_THAT(report.error().message, HasSubstr("out of luck"));
+  EXPECT_TRUE(job.RunningPids().empty());
+}
+
+TEST_F(EvaluationJobTest, PassesOnARefusalAsOneLineOfWrongUsage) {
+  EvaluationJob job =
+      MakeJob("echo '2026-01-01 00:00:00.000 E evaluation: unknown policy rmd' >&2; exit 2", 1, 2, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_FALSE(report);
+  EXPECT_EQ(ExitCode(report.error()), 2);
+  EXPECT_EQ(report.error().message, "unknown policy rmd");
+}
+
+TEST_F(EvaluationJobTest, RefusesOutputThatIsNotItsEpisodes) {
+  EvaluationJob job = MakeJob("echo '{\"seed\": 7}'", 1, 2, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  EXPECT_FALSE(job.TakeReport());
+}
+
+TEST_F(EvaluationJobTest, RefusesTrainingSeeds) {
+  const auto job = EvaluationJob::Create({.program = "x",
+                                          .policy = "rdm",
+                                          .policy_label = "rdm",
+                                          .scenario = "left_turn",
+                                          .config = {},
+                                          .first_seed = 999'999});
+  ASSERT_FALSE(job);
+  EXPECT_EQ(ExitCode(job.error()), 2);
+}
+
+TEST_F(EvaluationJobTest, TakesItsProcessesAlongWhenDropped) {
+  std::vector<pid_t> pids;
+  {
+    EvaluationJob job = MakeJob("sleep 1000", 1, 2, 2);
+    job.Step();
+    pids = job.RunningPids();
+    ASSERT_EQ(pids.size(), 2u);
+  }
+  for (const pid_t pid : pids) EXPECT_TRUE(IsDead(pid));
+}
+
+}  // namespace
+}  // namespace dadrl

@@ -1,0 +1,79 @@
+#include "deploy/local/run_results.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/deploy/local/test_processes.h"
+
+namespace dadrl {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+EvaluationReport Report(int successes, int collisions) {
+  std::vector<EvaluatedEpisode> episodes;
+  for (int i = 0; i < successes + collisions; ++i) {
+    EvaluatedEpisode episode;
+    episode.summary.seed = kFirstEvaluationSeed + static_cast<uint64_t>(i);
+    episode.summary.outcome = i < successes ? Outcome::kSuccess : Outcome::kCollision;
+    episodes.push_back(episode);
+  }
+  return MakeReport("left_turn", "test", std::move(episodes));
+}
+
+TEST(RunResults, AccumulateOverSessions) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "results.json";
+  ClusterSummary summary;
+  summary.updates = 100;
+  summary.env_steps = 5000;
+  {
+    RunResults results = RunResults::Load(file, Config{});
+    results.AddEvaluation({.elapsed_s = 30, .updates = 50, .policy_version = 7}, Report(3, 1));
+    results.Update("interrupted", 60.0, summary);
+    ASSERT_TRUE(results.Save());
+  }
+  RunResults results = RunResults::Load(file, Config{});
+  EXPECT_EQ(results.earlier_s(), 60.0);
+  results.SetFinal({.elapsed_s = 80, .updates = 150, .policy_version = 9}, Report(4, 0));
+  summary.updates = 150;
+  summary.env_steps = 1000;
+  results.Update("finished", 20.0, summary);
+  ASSERT_TRUE(results.Save());
+
+  const json saved = json::parse(FileText(file));
+  EXPECT_EQ(saved["state"], "finished");
+  EXPECT_EQ(saved["training_s"], 80.0);
+  EXPECT_EQ(saved["updates"], 150);
+  EXPECT_EQ(saved["env_steps"], 6000);
+  ASSERT_EQ(saved["evaluations"].size(), 1u);
+  EXPECT_EQ(saved["evaluations"][0]["success"], 0.75);
+  EXPECT_EQ(saved["evaluations"][0]["policy_version"], 7);
+  EXPECT_EQ(saved["final"]["success"], 1.0);
+  EXPECT_THAT(LastEvaluation(file), HasSubstr("150 updates: success 100.0 %"));
+}
+
+TEST(RunResults, ReplacesADamagedFileAndKeepsItAside) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "results.json";
+  for (const char* damage : {"{\"state\": \"run", "[1, 2]", ""}) {
+    std::ofstream(file, std::ios::trunc) << damage;
+    const RunResults results = RunResults::Load(file, Config{});
+    EXPECT_EQ(results.earlier_s(), 0.0);
+    ASSERT_TRUE(results.Save());
+    EXPECT_EQ(json::parse(FileText(file))["scenario"], "left_turn");
+    EXPECT_EQ(FileText(file.string() + ".corrupt"), damage);
+  }
+}
+
+TEST(RunResults, SurvivesAlienTypes) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "results.json";
+  std::ofstream(file) << R"({"training_s": "long", "evaluations": 3})";
+  EXPECT_EQ(RunResults::Load(file, Config{}).earlier_s(), 0.0);
+  EXPECT_EQ(LastEvaluation(file), "");
+  EXPECT_EQ(LastEvaluation(folder.path() / "missing.json"), "");
+}
+
+}  // namespace
+}  // namespace dadrl
