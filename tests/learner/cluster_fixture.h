@@ -73,6 +73,11 @@ class TestShard {
   void Reply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes, int claimed_shard = -1) {
     // The reader may have been discovered a moment after the writer.
     ASSERT_TRUE(dds::Eventually([&] { return replies_->matched() > 0; }));
+    ASSERT_TRUE(TryReply(learner, request, bytes, claimed_shard));
+  }
+  // Fails while a learner that was killed still counts as there.
+  Status TryReply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes,
+                  int claimed_shard = -1) {
     dadrl_idl_BatchReply reply{};
     reply.shard = claimed_shard < 0 ? index_ : static_cast<uint32_t>(claimed_shard);
     reply.learner = learner;
@@ -81,7 +86,7 @@ class TestShard {
     const auto length = static_cast<uint32_t>(bytes.size());
     auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
     reply.bytes = {length, length, buffer, false};
-    ASSERT_TRUE(replies_->Write(reply));
+    return replies_->Write(reply);
   }
   dds::Reader<dadrl_idl_PriorityUpdate>& priorities() { return *priorities_; }
 

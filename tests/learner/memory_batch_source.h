@@ -1,6 +1,7 @@
 // Batches from a generator in the same process: what a test trains on.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -16,8 +17,8 @@ class MemoryBatchSource final : public BatchSource {
       : batch_(ObservationSpec{}, batch_size), next_(first) {}
 
   TransitionBatch* Take(Duration) override {
-    if (available_ == 0) return nullptr;
-    --available_;
+    if (available == 0) return nullptr;
+    --available;
     Random random(DeriveSeed(11, next_++));
     for (float& reward : batch_.reward) reward = static_cast<float>(random.Uniform(-1.0, 1.0));
     for (float& x : batch_.observation.vehicles) x = static_cast<float>(random.Uniform(-1.0, 1.0));
@@ -28,20 +29,22 @@ class MemoryBatchSource final : public BatchSource {
     for (uint8_t& bits : batch_.observation.context) bits = static_cast<uint8_t>(random.Next());
     for (uint8_t& bits : batch_.next_observation.context) bits = static_cast<uint8_t>(random.Next());
     batch_.discount.assign(batch_.discount.size(), 0.99f);
-    batch_.policy_version.assign(batch_.policy_version.size(), acting_version_);
-    ++lent_;
+    batch_.policy_version.assign(batch_.policy_version.size(), acting_version);
+    if (poisoned) batch_.reward[0] = std::nanf("");
+    ++lent;
     return &batch_;
   }
-  void Release(TransitionBatch*) override { --lent_; }
+  void Release(TransitionBatch*) override { --lent; }
   void UpdatePriorities(const TransitionBatch&, std::span<const float> td_error) override {
-    priorities_.assign(td_error.begin(), td_error.end());
+    priorities.assign(td_error.begin(), td_error.end());
   }
   Activity waiting_for() const override { return Activity::kWaitForInserts; }
 
-  int available_ = 1 << 30;
-  int lent_ = 0;
-  uint32_t acting_version_ = 0;
-  std::vector<float> priorities_;
+  int available = 1 << 30;
+  int lent = 0;
+  bool poisoned = false;  // a reward of each batch is not a number
+  uint32_t acting_version = 0;
+  std::vector<float> priorities;
 
  private:
   TransitionBatch batch_;

@@ -3,14 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <thread>
-
-#include "common/io/atomic_file.h"
 #include "common/model/policy_file.h"
-#include "learner/resume.h"
 #include "tests/common/io/temporary_directory.h"
 #include "tests/learner/fake_algorithm.h"
-#include "tests/learner/memory_batch_source.h"
+#include "tests/learner/test_learner.h"
 
 namespace dadrl {
 namespace {
@@ -18,48 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-class RecordingPublisher final : public PolicyPublisher {
- public:
-  void Publish(const PolicyUpdate& update) override {
-    versions_.push_back(update.version);
-    updates_.push_back(update.updates);
-  }
-  std::vector<uint32_t> versions_;
-  std::vector<uint64_t> updates_;
-};
-
-// One run of a learner: everything that a process would own, in `directory`.
-struct Learner {
-  Learner(const Config& config, const std::filesystem::path& directory, bool resume, uint64_t first_batch = 0)
-      : batches(16, first_batch) {
-    CheckpointStore store = CheckpointStore::Open(directory, config.learner.checkpoints_kept).value();
-    auto begun = BeginTraining(config, store, 0, resume, algorithm);
-    if (!begun) {
-      error = begun.error();
-      return;
-    }
-    checkpoints = std::make_unique<CheckpointWriter>(std::move(store), clock);
-    trainer = std::make_unique<Trainer>(
-        config, Trainer::Parts{algorithm, batches, publisher, *checkpoints, clock, [] { return int64_t{0}; }},
-        *begun);
-  }
-  void Steps(int count) {
-    for (int i = 0; i < count; ++i) {
-      const auto step = trainer->RunStep(Duration::zero());
-      ASSERT_TRUE(step) << step.error().message;
-      ASSERT_EQ(*step, Trainer::Step::kUpdated);
-    }
-  }
-
-  FakeAlgorithm algorithm;
-  MemoryBatchSource batches;
-  RecordingPublisher publisher;
-  ManualClock clock;
-  Error error;
-  std::unique_ptr<CheckpointWriter> checkpoints;
-  std::unique_ptr<Trainer> trainer;
-};
 
 class TrainerTest : public testing::Test {
  protected:
@@ -70,45 +24,45 @@ class TrainerTest : public testing::Test {
 TEST_F(TrainerTest, ResumedTrainingEqualsAnUninterruptedOneBitForBit) {
   constexpr int kUpdates = 25;
   TemporaryDirectory other;
-  Learner whole(config_, other.path(), false);
+  TestLearner whole(config_, other.path(), false);
   whole.Steps(2 * kUpdates);
   {
-    Learner first(config_, folder_.path(), false);
+    TestLearner first(config_, folder_.path(), false);
     first.Steps(kUpdates);
     ASSERT_TRUE(first.trainer->SaveNow());
   }
-  Learner second(config_, folder_.path(), true, kUpdates);
+  TestLearner second(config_, folder_.path(), true, kUpdates);
   ASSERT_TRUE(second.trainer) << second.error.message;
   second.Steps(kUpdates);
-  EXPECT_EQ(StateOf(second.algorithm), StateOf(whole.algorithm));
+  EXPECT_EQ(StateOf(*second.algorithm), StateOf(*whole.algorithm));
   EXPECT_EQ(second.trainer->TakeInterval().updates, static_cast<uint64_t>(2 * kUpdates));
 }
 
 TEST_F(TrainerTest, PublishesFirstAfterTheFirstUpdateThenEachInterval) {
   config_.learner.publish_interval_s = 1.0;
-  Learner run(config_, folder_.path(), false);
-  run.batches.available_ = 0;
+  TestLearner run(config_, folder_.path(), false);
+  run.batches.available = 0;
   ASSERT_EQ(run.trainer->RunStep(Duration::zero()).value(), Trainer::Step::kNoBatch);
-  EXPECT_TRUE(run.publisher.versions_.empty());
-  run.batches.available_ = 1000;
+  EXPECT_TRUE(run.publisher.versions.empty());
+  run.batches.available = 1000;
   for (int i = 0; i < 20; ++i) {
     run.Steps(1);
     run.clock.Advance(100ms);
   }
-  EXPECT_THAT(run.publisher.versions_, ElementsAre(1, 2));
-  EXPECT_THAT(run.publisher.updates_, ElementsAre(1, 11));
+  EXPECT_THAT(run.publisher.versions, ElementsAre(1, 2));
+  EXPECT_THAT(run.publisher.updates, ElementsAre(1, 11));
 }
 
 TEST_F(TrainerTest, ResumedRunPublishesAtOnceAboveEveryUsedVersion) {
   {
-    Learner first(config_, folder_.path(), false);
+    TestLearner first(config_, folder_.path(), false);
     first.Steps(3);
     ASSERT_TRUE(first.trainer->SaveNow());
   }
-  Learner second(config_, folder_.path(), true);
-  second.batches.available_ = 0;
+  TestLearner second(config_, folder_.path(), true);
+  second.batches.available = 0;
   ASSERT_TRUE(second.trainer->RunStep(Duration::zero()));
-  EXPECT_THAT(second.publisher.versions_, ElementsAre(2));
+  EXPECT_THAT(second.publisher.versions, ElementsAre(2));
 
   FakeAlgorithm algorithm;
   CheckpointStore store = CheckpointStore::Open(folder_.path(), 3).value();
@@ -117,38 +71,38 @@ TEST_F(TrainerTest, ResumedRunPublishesAtOnceAboveEveryUsedVersion) {
 
 TEST_F(TrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
   config_.learner.publish_interval_s = 0.01;
-  Learner run(config_, folder_.path(), false);
-  run.algorithm.FailAt(4);
+  TestLearner run(config_, folder_.path(), false);
+  run.fake().FailAt(4);
   run.Steps(3);
   ASSERT_TRUE(run.trainer->SaveNow());
-  const size_t published = run.publisher.versions_.size();
+  const size_t published = run.publisher.versions.size();
   run.clock.Advance(1h);
   const std::atomic<bool> stop{false};
   const auto ended = run.trainer->Run(stop);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
   EXPECT_THAT(ended.error().message, HasSubstr("critic loss is not finite"));
-  EXPECT_EQ(run.publisher.versions_.size(), published);
-  EXPECT_EQ(run.batches.lent_, 0);
+  EXPECT_EQ(run.publisher.versions.size(), published);
+  EXPECT_EQ(run.batches.lent, 0);
   EXPECT_EQ(CheckpointStore::Open(folder_.path(), 3)->LoadNewest().value()->checkpoint.updates, 3u);
 }
 
 TEST_F(TrainerTest, PolicyThatIsNotFiniteIsNeitherPublishedNorSaved) {
-  Learner run(config_, folder_.path(), false);
+  TestLearner run(config_, folder_.path(), false);
   run.Steps(1);
-  run.algorithm.SpoilPolicy();
+  run.fake().SpoilPolicy();
   run.clock.Advance(1h);
   const auto step = run.trainer->RunStep(Duration::zero());
   ASSERT_FALSE(step);
   EXPECT_THAT(step.error().message, HasSubstr("parameter 7 of the policy is not finite"));
-  EXPECT_EQ(run.publisher.versions_.size(), 1u);
+  EXPECT_EQ(run.publisher.versions.size(), 1u);
   EXPECT_FALSE(run.trainer->SaveNow());
   EXPECT_TRUE(CheckpointStore::Open(folder_.path(), 3)->empty());
 }
 
 TEST_F(TrainerTest, CheckpointsEachIntervalWithoutStoppingTheTraining) {
   config_.learner.checkpoint_interval_s = 30.0;
-  Learner run(config_, folder_.path(), false);
+  TestLearner run(config_, folder_.path(), false);
   for (int i = 0; i < 7; ++i) {
     run.Steps(1);
     ASSERT_TRUE(run.checkpoints->Finish());  // the clock of the test may not move under the writer
@@ -162,20 +116,20 @@ TEST_F(TrainerTest, StopsAtMaxUpdatesWithACheckpointAndStaysThereWhenResumed) {
   config_.learner.max_updates = 12;
   const std::atomic<bool> stop{false};
   {
-    Learner run(config_, folder_.path(), false);
+    TestLearner run(config_, folder_.path(), false);
     const auto ended = run.trainer->Run(stop);
     ASSERT_TRUE(ended) << ended.error().message;
     EXPECT_THAT(*ended, HasSubstr("max_updates of 12"));
   }
   EXPECT_EQ(LoadPolicy(folder_.path() / "latest")->updates, 12u);
-  Learner again(config_, folder_.path(), true);
+  TestLearner again(config_, folder_.path(), true);
   ASSERT_TRUE(again.trainer->Run(stop));
   EXPECT_EQ(again.trainer->TakeInterval().updates, 12u);
 }
 
 TEST_F(TrainerTest, StopsWhenAskedWhileItWaitsForExperience) {
-  Learner run(config_, folder_.path(), false);
-  run.batches.available_ = 0;
+  TestLearner run(config_, folder_.path(), false);
+  run.batches.available = 0;
   const std::atomic<bool> stop{true};
   const auto ended = run.trainer->Run(stop);
   ASSERT_TRUE(ended);
@@ -186,31 +140,31 @@ TEST_F(TrainerTest, MinutesCountOverRestarts) {
   config_.minutes = 1.0;
   const std::atomic<bool> stop{false};
   {
-    Learner first(config_, folder_.path(), false);
+    TestLearner first(config_, folder_.path(), false);
     first.clock.Advance(59s);
     first.Steps(1);
     ASSERT_TRUE(first.trainer->SaveNow());
   }
-  Learner second(config_, folder_.path(), true);
+  TestLearner second(config_, folder_.path(), true);
   second.clock.Advance(2s);
   EXPECT_THAT(second.trainer->Run(stop).value(), HasSubstr("minutes of 1 reached"));
 }
 
 TEST_F(TrainerTest, ReportsWhatItWaitsForAndHowStaleTheExperienceIs) {
   config_.learner.publish_interval_s = 0.01;
-  Learner run(config_, folder_.path(), false);
+  TestLearner run(config_, folder_.path(), false);
   for (int i = 0; i < 5; ++i) {
     run.Steps(1);
     run.clock.Advance(20ms);
   }
   run.trainer->TakeInterval();
-  run.batches.acting_version_ = 2;
+  run.batches.acting_version = 2;
   run.Steps(1);
   const TrainingInterval interval = run.trainer->TakeInterval();
   EXPECT_EQ(interval.interval_updates, 1u);
   EXPECT_DOUBLE_EQ(interval.staleness.versions_max, 3.0);
   EXPECT_GT(interval.mean.critic_loss, 0.0);
-  run.batches.available_ = 0;
+  run.batches.available = 0;
   ASSERT_EQ(run.trainer->RunStep(Duration::zero()).value(), Trainer::Step::kNoBatch);
   run.clock.Advance(3s);
   EXPECT_DOUBLE_EQ(run.trainer->ledger().Read()[static_cast<size_t>(Activity::kWaitForInserts)], 3.0);
@@ -218,34 +172,34 @@ TEST_F(TrainerTest, ReportsWhatItWaitsForAndHowStaleTheExperienceIs) {
 
 TEST_F(TrainerTest, ReturnsPrioritiesOnlyToAPrioritisedSampler) {
   {
-    Learner run(config_, folder_.path(), false);
+    TestLearner run(config_, folder_.path(), false);
     run.Steps(1);
-    EXPECT_TRUE(run.batches.priorities_.empty());
+    EXPECT_TRUE(run.batches.priorities.empty());
   }
   config_.replay.sampler = SamplerKind::kPrioritized;
-  Learner run(config_, folder_.path(), false);
+  TestLearner run(config_, folder_.path(), false);
   run.Steps(2);
-  EXPECT_THAT(run.batches.priorities_, testing::Each(2.0f));
-  EXPECT_EQ(run.batches.priorities_.size(), 16u);
+  EXPECT_THAT(run.batches.priorities, testing::Each(2.0f));
+  EXPECT_EQ(run.batches.priorities.size(), 16u);
 }
 
 TEST_F(TrainerTest, NewTrainingRefusesAFolderWithCheckpoints) {
   {
-    Learner first(config_, folder_.path(), false);
+    TestLearner first(config_, folder_.path(), false);
     ASSERT_TRUE(first.trainer->SaveNow());
   }
-  Learner second(config_, folder_.path(), false);
+  TestLearner second(config_, folder_.path(), false);
   EXPECT_EQ(second.error.code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(second.error.message, HasSubstr("--resume"));
 }
 
 TEST_F(TrainerTest, ResumeWithOtherNetworksNamesTheKeys) {
   {
-    Learner first(config_, folder_.path(), false);
+    TestLearner first(config_, folder_.path(), false);
     ASSERT_TRUE(first.trainer->SaveNow());
   }
   config_.model.hidden = 64;
-  Learner second(config_, folder_.path(), true);
+  TestLearner second(config_, folder_.path(), true);
   EXPECT_EQ(second.error.code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(second.error.message, HasSubstr("model.hidden (there 256, now 64)"));
 }

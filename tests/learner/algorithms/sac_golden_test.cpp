@@ -23,7 +23,7 @@ struct Case {
   EncoderSharing encoders;
   bool context;
   bool critic_layer_norm;
-  double epsilon = 1e-3;
+  double epsilon = 1e-5;
   int updates = 3;
 };
 

@@ -1,0 +1,88 @@
+// The training loop with the real algorithm.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/model/acting_policy.h"
+#include "common/model/policy_file.h"
+#include "tests/common/io/temporary_directory.h"
+#include "tests/learner/test_learner.h"
+
+namespace dadrl {
+namespace {
+
+using testing::HasSubstr;
+
+class SacTrainingTest : public testing::TestWithParam<EncoderSharing> {
+ protected:
+  SacTrainingTest() {
+    config_.algorithm.batch_size = 16;
+    config_.model.hidden = 32;
+    config_.model.encoders = GetParam();
+  }
+  std::unique_ptr<Algorithm> Sac(uint64_t seed = 1) {
+    config_.seed = seed;
+    auto algorithm = MakeAlgorithm(config_);
+    EXPECT_TRUE(algorithm);
+    return std::move(*algorithm);
+  }
+
+  Config config_;
+  TemporaryDirectory folder_;
+};
+
+TEST_P(SacTrainingTest, ResumedTrainingEqualsAnUninterruptedOneBitForBit) {
+  constexpr int kUpdates = 4;
+  TemporaryDirectory other;
+  TestLearner whole(config_, other.path(), false, 0, Sac());
+  whole.Steps(2 * kUpdates);
+  {
+    TestLearner first(config_, folder_.path(), false, 0, Sac());
+    first.Steps(kUpdates);
+    ASSERT_TRUE(first.trainer->SaveNow());
+  }
+  // Made from another seed: everything that matters must come from the checkpoint.
+  TestLearner second(config_, folder_.path(), true, kUpdates, Sac(2));
+  ASSERT_TRUE(second.trainer) << second.error.message;
+  ASSERT_NE(StateOf(*second.algorithm), StateOf(*whole.algorithm));
+  second.Steps(kUpdates);
+  EXPECT_EQ(StateOf(*second.algorithm), StateOf(*whole.algorithm));
+  EXPECT_THAT(second.algorithm->published_policy(),
+              testing::ElementsAreArray(whole.algorithm->published_policy()));
+}
+
+TEST_P(SacTrainingTest, NaNInABatchEndsTheTrainingWithItsNameAndPublishesNothing) {
+  TestLearner learner(config_, folder_.path(), false, 0, Sac());
+  learner.Steps(2);
+  ASSERT_TRUE(learner.trainer->SaveNow());
+  const auto published = learner.publisher.versions;
+  learner.batches.poisoned = true;
+  learner.clock.Advance(std::chrono::hours(1));
+  const std::atomic<bool> stop{false};
+  const auto ended = learner.trainer->Run(stop);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
+  EXPECT_THAT(ended.error().message, HasSubstr("reward"));
+  EXPECT_EQ(learner.publisher.versions, published);
+  EXPECT_EQ(LoadPolicy(folder_.path() / "latest")->updates, 2u);
+}
+
+TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
+  TestLearner learner(config_, folder_.path(), false, 0, Sac());
+  learner.Steps(2);
+  ASSERT_TRUE(learner.trainer->SaveNow());
+  const auto path = folder_.path() / "latest";
+  const auto policy = LoadPolicy(path);
+  ASSERT_TRUE(policy) << policy.error().message;
+  const ObservationSpec spec = ObservationSpec::From(policy->config.observation);
+  ActingPolicy acting(spec, policy->config.model);
+  ASSERT_TRUE(CheckLayout(*policy, path, acting.layout_hash(), acting.parameter_count()));
+  ASSERT_TRUE(acting.Load(policy->parameters));
+  const Action action = acting.Act(Observation(spec), nullptr);
+  EXPECT_LT(std::abs(action[0]), 1.0f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Encoders, SacTrainingTest,
+                         testing::Values(EncoderSharing::kSeparate, EncoderSharing::kShared));
+
+}  // namespace
+}  // namespace dadrl
