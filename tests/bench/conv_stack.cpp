@@ -6,9 +6,9 @@
 #include "common/nn/kernels/conv_stack.h"
 
 #include <immintrin.h>
+#include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <new>
@@ -21,13 +21,19 @@ namespace {
 using dadrl::nn::Isa;
 namespace nn = dadrl::nn;
 
+double ThreadSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 template <class Function>
 double MedianSeconds(int repetitions, Function function) {
   std::vector<double> seconds;
   for (int i = 0; i < repetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = ThreadSeconds();
     function();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    seconds.push_back(ThreadSeconds() - start);
   }
   std::nth_element(seconds.begin(), seconds.begin() + repetitions / 2, seconds.end());
   return seconds[static_cast<size_t>(repetitions / 2)];

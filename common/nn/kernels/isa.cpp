@@ -1,5 +1,7 @@
 #include "common/nn/kernels/isa.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <atomic>
 #include <cstdlib>
@@ -15,7 +17,10 @@ Isa InitialIsa() {
   const char* const wanted = std::getenv("DADRL_ISA");
   if (wanted == nullptr) return best;
   const auto isa = IsaFromName(wanted);
-  return isa && *isa <= best ? *isa : best;
+  if (isa && *isa <= best) return *isa;
+  spdlog::warn("DADRL_ISA={} is not an instruction set of this processor (scalar to {}); using {}", wanted,
+               IsaName(best), IsaName(best));
+  return best;
 }
 
 std::atomic<Isa>& Choice() {

@@ -13,7 +13,7 @@ enum class Isa { kScalar, kAvx2, kAvx512 };
 Isa DetectIsa();
 
 // The instruction set in use: what SetIsa chose, else the environment variable DADRL_ISA (scalar, avx2 or
-// avx512; one that is unknown or unsupported here is ignored), else DetectIsa(). Any thread.
+// avx512; one that is unknown or unsupported here is refused with a warning), else DetectIsa(). Any thread.
 Isa ActiveIsa();
 
 // Chooses for the whole process; false, and no change, if this processor lacks it. Any thread, but not

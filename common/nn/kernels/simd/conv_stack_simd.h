@@ -128,27 +128,37 @@ class ConvStack {
         work.d_layer4, params.weight[3], out.layer3, work.d_layer3);
 
     BiasGradient<Simd, Conv3>(work.d_layer3, sums.bias3);
-    WeightGradientImageLanes<Simd, Conv3, Tiles::kWeight3.channels, Tiles::kWeight3.band>(
-        out.layer2, work.d_layer3, sums.weight3);
+    constexpr int kBand3 = Tiles::kWeight3.band;
+    for (int y = 0; y < Conv3::kOutSize; y += kBand3) {
+      WeightGradientImageLanes<Simd, Conv3, Tiles::kWeight3.channels>(
+          out.layer2, work.d_layer3, sums.weight3, y, Smaller(kBand3, Conv3::kOutSize - y));
+    }
     InputGradientImage<Conv3, Tiles::kInput3.channels, Tiles::kInput3.step, Tiles::kInput3.columns>(
         work.d_layer3, params.weight[2], out.layer2, work.d_layer2);
 
     BiasGradient<Simd, Conv2>(work.d_layer2, sums.bias2);
-    WeightGradientImageLanes<Simd, Conv2, Tiles::kWeight2.channels, Tiles::kWeight2.band>(
-        out.layer1, work.d_layer2, sums.weight2);
-    BackwardFirstLayer(params, out, work);
+    BackwardFirstLayers(params, out, work);
   }
 
-  // The gradient of the first layer's output, the largest tensor, exists one row at a time.
-  static void BackwardFirstLayer(const ConvStackParams& params, const Outputs& out, Scratch& work) {
-    constexpr int kRow = Conv1::kOutSize * kConvGroup;
-    for (int y = 0; y < Conv1::kOutSize; ++y) {
-      InputGradient<Simd, Conv2, Tiles::kInput2.channels, Tiles::kInput2.step, Tiles::kInput2.columns>(
-          work.d_layer2, params.weight[1], out.layer1, work.d_row1, kRow, y);
-      AddBiasGradient<Simd, Conv1::kOut, Conv1::kOutSize>(work.d_row1, work.sums.bias1);
-      work.first.AddGradientRow(y, work.d_row1);
+  // The output of the first layer, the largest tensor, is read once; its gradient exists one row at a time.
+  static void BackwardFirstLayers(const ConvStackParams& params, const Outputs& out, Scratch& work) {
+    constexpr int kRow = Conv1::kOutSize * kConvGroup, kBand = Tiles::kWeight2.band;
+    int row1 = 0;
+    for (int y = 0; y < Conv2::kOutSize; y += kBand) {
+      const int rows = Smaller(kBand, Conv2::kOutSize - y);
+      WeightGradientImageLanes<Simd, Conv2, Tiles::kWeight2.channels>(out.layer1, work.d_layer2,
+                                                                      work.sums.weight2, y, rows);
+      const int row1_end = y + rows == Conv2::kOutSize ? Conv1::kOutSize : 2 * (y + rows);
+      for (; row1 < row1_end; ++row1) {
+        InputGradient<Simd, Conv2, Tiles::kInput2.channels, Tiles::kInput2.step, Tiles::kInput2.columns>(
+            work.d_layer2, params.weight[1], out.layer1, work.d_row1, kRow, row1);
+        AddBiasGradient<Simd, Conv1::kOut, Conv1::kOutSize>(work.d_row1, work.sums.bias1);
+        work.first.AddGradientRow(row1, work.d_row1);
+      }
     }
   }
+
+  static constexpr int Smaller(int a, int b) { return a < b ? a : b; }
 
   template <class Shape, int kChannels, int kStep, int kColumns>
   static void InputGradientImage(const float* d_out, const float* weight, const float* in, float* d_in) {

@@ -48,22 +48,19 @@ void ImageLaneTile(const float* in, const float* d_out, float* sums, int co, int
   }
 }
 
-// Lanes are images. Adds the group's gradients to sums [kOut / kChannels][kIn][ky][kChannels][kx][16 images].
-// Goes through the image in bands of kBand rows, which stay in the first-level cache.
-template <class Simd, class Shape, int kChannels, int kBand>
-void WeightGradientImageLanes(const float* in, const float* d_out, float* sums) {
+// Lanes are images. Adds what output rows y .. y + rows - 1 contribute to sums
+// [kOut / kChannels][kIn][ky][kChannels][kx][16 images]. Few rows at a time stay in the first-level cache.
+template <class Simd, class Shape, int kChannels>
+void WeightGradientImageLanes(const float* in, const float* d_out, float* sums, int y, int rows) {
   constexpr int kKernel = Shape::kKernel, kTile = kChannels * kKernel * kConvGroup;
   static_assert(Shape::kOut % kChannels == 0);
   for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
-    for (int y = 0; y < Shape::kOutSize; y += kBand) {
-      const int rows = Shape::kOutSize - y < kBand ? Shape::kOutSize - y : kBand;
-      for (int ci = 0; ci < Shape::kIn; ++ci) {
-        for (int co = 0; co < Shape::kOut; co += kChannels) {
-          for (int ky = 0; ky < kKernel; ++ky) {
-            const int tile = (co / kChannels * Shape::kIn + ci) * kKernel + ky;
-            ImageLaneTile<Simd, Shape, kChannels>(in + lane, d_out + lane, sums + tile * kTile + lane, co, ci,
-                                                  ky, y, rows);
-          }
+    for (int ci = 0; ci < Shape::kIn; ++ci) {
+      for (int co = 0; co < Shape::kOut; co += kChannels) {
+        for (int ky = 0; ky < kKernel; ++ky) {
+          const int tile = (co / kChannels * Shape::kIn + ci) * kKernel + ky;
+          ImageLaneTile<Simd, Shape, kChannels>(in + lane, d_out + lane, sums + tile * kTile + lane, co, ci,
+                                                ky, y, rows);
         }
       }
     }
