@@ -16,9 +16,6 @@ constexpr double kHysteresis = 0.8;
 // A path can be chosen from at most this far beside it, driving roughly its way.
 constexpr double kReach = 4.8;
 constexpr double kAlignment = std::numbers::pi / 3.0;
-// Paths are told apart up to this far ahead, by this much.
-constexpr double kForkLookahead = 24.0;
-constexpr double kForkOffset = 0.5;
 // A lane change begins this far beside the path and is over this near to it.
 constexpr double kChangeBegins = 0.5;
 constexpr double kChangeEnds = 0.15;
@@ -32,23 +29,6 @@ constexpr double kSpeedLag = 0.25;
 double KeepingDistance(double speed) { return 2.3 + 0.24 * speed; }
 double ChangingDistance(double speed) { return 3.5 + 0.6 * speed; }
 
-bool Drivable(const EgoState& ego, const Path& path, const Polyline::Projection& projection) {
-  if (projection.distance > kReach) return false;
-  const double turn = WrapAngle(path.centre.HeadingAt(projection.s) - ego.pose.heading);
-  return std::abs(turn) < kAlignment && projection.s < path.centre.length();
-}
-
-// How far to the left of `from` the path `to` is, where the two first part ahead of the ego; 0 when they do
-// not.
-double SideOf(const Path& from, const Path& to, const EgoState& ego) {
-  const double s = to.centre.Project(ego.pose.position).s;
-  for (double ahead = 0.0; ahead <= kForkLookahead && s + ahead <= to.centre.length(); ahead += 1.0) {
-    const double side = from.centre.Project(to.centre.At(s + ahead)).lateral;
-    if (std::abs(side) > kForkOffset) return side;
-  }
-  return 0.0;
-}
-
 }  // namespace
 
 EgoController::EgoController(const RoadMap& map, const Route& route)
@@ -58,6 +38,7 @@ EgoController::EgoController(const RoadMap& map, const Route& route)
 }
 
 void EgoController::Reset() {
+  projections_.assign(paths_->size(), {});
   current_ = followed_ = initial_;
   changing_lane_ = false;
 }
@@ -66,30 +47,38 @@ EgoCommand EgoController::Control(const EgoState& ego, double target_speed_mps, 
   Localize(ego);
   const int before = followed_;
   followed_ = Neighbour(ego, lane_command);
-  const Polyline::Projection projection = followed_path().centre.Project(ego.pose.position);
+  const Polyline::Projection& projection = projections_[static_cast<size_t>(followed_)];
   if (followed_ != before && projection.distance > kChangeBegins) changing_lane_ = true;
   if (projection.distance < kChangeEnds) changing_lane_ = false;
   return {std::min(target_speed_mps, CurveSpeed(ego, projection)), Steer(ego, projection)};
 }
 
 void EgoController::Localize(const EgoState& ego) {
-  double nearest = current_path().centre.Project(ego.pose.position).distance - kHysteresis;
   for (size_t i = 0; i < paths_->size(); ++i) {
-    const Polyline::Projection projection = (*paths_)[i].centre.Project(ego.pose.position);
-    if (projection.distance < nearest && Drivable(ego, (*paths_)[i], projection)) {
-      nearest = projection.distance;
-      current_ = static_cast<int>(i);
-    }
+    projections_[i] = (*paths_)[i].centre.Project(ego.pose.position);
   }
+  double nearest = projections_[static_cast<size_t>(current_)].distance - kHysteresis;
+  for (size_t i = 0; i < paths_->size(); ++i) {
+    if (projections_[i].distance >= nearest || !Drivable(ego, i)) continue;
+    nearest = projections_[i].distance;
+    current_ = static_cast<int>(i);
+  }
+}
+
+bool EgoController::Drivable(const EgoState& ego, size_t path) const {
+  const Polyline::Projection& projection = projections_[path];
+  const Polyline& line = (*paths_)[path].centre;
+  if (projection.distance > kReach || projection.s >= line.length()) return false;
+  return std::abs(WrapAngle(line.HeadingAt(projection.s) - ego.pose.heading)) < kAlignment;
 }
 
 int EgoController::Neighbour(const EgoState& ego, int lane_command) const {
   int best = current_;
   double best_side = std::numeric_limits<double>::infinity();
   for (size_t i = 0; lane_command != 0 && i < paths_->size(); ++i) {
-    const Path& path = (*paths_)[i];
-    if (!Drivable(ego, path, path.centre.Project(ego.pose.position))) continue;
-    const double side = lane_command * SideOf(current_path(), path, ego);
+    if (!Drivable(ego, i)) continue;
+    const auto metre = static_cast<size_t>(projections_[i].s);
+    const double side = lane_command * (*paths_)[i].sides[static_cast<size_t>(current_)][metre];
     if (side > 0.0 && side < best_side) {
       best_side = side;
       best = static_cast<int>(i);

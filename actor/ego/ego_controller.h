@@ -38,6 +38,7 @@ class EgoController {
 
  private:
   void Localize(const EgoState& ego);
+  bool Drivable(const EgoState& ego, size_t path) const;
   int Neighbour(const EgoState& ego, int lane_command) const;
   double Steer(const EgoState& ego, const Polyline::Projection& projection) const;
   double CurveSpeed(const EgoState& ego, const Polyline::Projection& projection) const;
@@ -47,6 +48,7 @@ class EgoController {
   int current_ = 0;
   int followed_ = 0;
   bool changing_lane_ = false;
+  std::vector<Polyline::Projection> projections_;  // of the ego on each path, now
 };
 
 }  // namespace dadrl

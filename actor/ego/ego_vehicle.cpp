@@ -10,17 +10,13 @@ namespace {
 
 constexpr int kSubsteps = 5;
 constexpr double kSubstep = kStepSeconds / kSubsteps;
-constexpr double kSteeringLag = 0.13;  // s
-constexpr double kDriveLag = 0.35;     // s
-constexpr double kSpeedGain = 4.0;     // 1/s
-constexpr double kMaxDrive = 8.4;      // m/s^2
-constexpr double kMaxBraking = 7.4;    // m/s^2
+const double kSteeringShare = 1.0 - std::exp(-kSubstep / 0.13);  // lag of 0.13 s
+const double kDriveShare = 1.0 - std::exp(-kSubstep / 0.35);     // lag of 0.35 s
+constexpr double kSpeedGain = 4.0;                               // 1/s
+constexpr double kMaxDrive = 8.4;                                // m/s^2
+constexpr double kMaxBraking = 7.4;                              // m/s^2
 // The reference point is half way between the axles.
 constexpr double kRearShare = 0.5;
-
-double Approach(double value, double target, double lag) {
-  return value + (target - value) * (1.0 - std::exp(-kSubstep / lag));
-}
 
 double SlipAngle(double steering) { return std::atan(kRearShare * std::tan(steering)); }
 
@@ -44,12 +40,12 @@ void EgoVehicle::Step(double target_speed_mps, double target_steering_rad) {
 }
 
 void EgoVehicle::Advance(double target_speed_mps, double target_steering_rad) {
-  state_.steering_rad = Approach(state_.steering_rad, target_steering_rad, kSteeringLag);
+  state_.steering_rad += kSteeringShare * (target_steering_rad - state_.steering_rad);
   double acceleration =
       std::clamp(kSpeedGain * (target_speed_mps - state_.speed_mps), -kMaxBraking, kMaxDrive);
   // Only the build-up of the drive lags: easing off and braking act at once, so nothing swings about the
   // target.
-  drive_ = acceleration > 0.0 ? Approach(drive_, acceleration, kDriveLag) : 0.0;
+  drive_ = acceleration > 0.0 ? drive_ + kDriveShare * (acceleration - drive_) : 0.0;
   if (acceleration > 0.0) acceleration = std::min(acceleration, drive_);
   state_.speed_mps = std::max(0.0, state_.speed_mps + kSubstep * acceleration);
 

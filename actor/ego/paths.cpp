@@ -19,6 +19,9 @@ constexpr double kTightRadius = 8.0;
 constexpr double kTightSpeed = 5.56;
 constexpr double kWideRadius = 15.0;
 constexpr double kWideSpeed = 6.94;
+// Paths are told apart up to this many metres ahead, by this much.
+constexpr size_t kForkLookahead = 24;
+constexpr double kForkOffset = 0.5;
 constexpr double kNoCap = std::numeric_limits<double>::infinity();
 
 const Lane& LaneAt(const RoadMap& map, int lane) { return map.lanes()[static_cast<size_t>(lane)]; }
@@ -113,9 +116,25 @@ Path MakePath(const RoadMap& map, std::vector<int> lanes) {
     const std::vector<Point>& centre = LaneAt(map, lane).centre.points();
     points.insert(points.end(), centre.begin(), centre.end());
   }
-  Path path{std::move(lanes), SmoothLine(Polyline(points)), {}};
+  Path path{std::move(lanes), SmoothLine(Polyline(points)), {}, {}};
   path.speed_caps = SpeedCaps(path.centre);
   return path;
+}
+
+std::vector<double> SidesOf(const Path& path, const Path& other) {
+  std::vector<double> offsets;
+  for (size_t i = 0; i < path.speed_caps.size(); ++i) {
+    offsets.push_back(other.centre.Project(path.centre.At(static_cast<double>(i))).lateral);
+  }
+  std::vector<double> sides(offsets.size(), 0.0);
+  for (size_t i = 0; i < sides.size(); ++i) {
+    const auto begin = offsets.begin() + static_cast<long>(i);
+    const auto end = offsets.begin() + static_cast<long>(std::min(offsets.size(), i + kForkLookahead + 1));
+    const auto parted =
+        std::find_if(begin, end, [](double offset) { return std::abs(offset) > kForkOffset; });
+    if (parted != end) sides[i] = *parted;
+  }
+  return sides;
 }
 
 }  // namespace
@@ -128,6 +147,9 @@ std::vector<Path> FindPaths(const RoadMap& map, const Route& route) {
   }
   std::vector<Path> paths;
   for (std::vector<int>& sequence : sequences) paths.push_back(MakePath(map, std::move(sequence)));
+  for (Path& path : paths) {
+    for (const Path& other : paths) path.sides.push_back(SidesOf(path, other));
+  }
   return paths;
 }
 

@@ -15,6 +15,9 @@ struct Path {
   Polyline centre;
   // What the curves allow, m/s: element i for the metre from i on; infinite where the road does not bend.
   std::vector<double> speed_caps;
+  // sides[p][i]: how far this path is to the left of path p, in metres, where the two first part on the 24 m
+  // from metre i of this path on; 0 where they do not.
+  std::vector<std::vector<double>> sides;
 };
 
 // Every lane of every edge that can be reached along the route belongs to at least one path. Where a lane
