@@ -46,13 +46,11 @@ Result<ScenarioPlan> Plan(const Scenario& scenario) {
                     .route = std::move(route),
                     .start_front = front,
                     .start = {},
-                    .start_limit_mps = 0,
                     .start_offset_m = 0,
                     .ego_edges = {},
                     .lane_end_m = {},
                     .departure_lanes = {}};
   plan.start = {front - (kVehicleLength / 2.0) * Forward(heading), heading};
-  plan.start_limit_mps = first.speed_limit;
   plan.start_offset_m =
       scenario.ego_start_offset_m * libsumo::Lane::getLength(first.id) / first.centre.length();
   for (const int index : *lanes) {

@@ -13,9 +13,8 @@ namespace dadrl {
 struct ScenarioPlan {
   RoadMap map;
   Route route;
-  Point start_front;  // of the ego's front bumper
-  Pose start;         // of its centre
-  double start_limit_mps = 0.0;
+  Point start_front;                   // of the ego's front bumper
+  Pose start;                          // of its centre
   double start_offset_m = 0.0;         // SUMO's measure, which is not always the geometric one
   std::vector<std::string> ego_edges;  // of the route
   std::vector<double> lane_end_m;      // SUMO's length of each flow's departure lane

@@ -5,40 +5,19 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <map>
-#include <numbers>
 
 #include "actor/sim/ego_motion.h"
 #include "actor/sim/memory_file.h"
 #include "actor/sim/scenario_plan.h"
 #include "actor/sim/stderr_capture.h"
+#include "actor/sim/sumo_pose.h"
+#include "actor/sim/sumo_traffic.h"
 #include "actor/sim/traffic.h"
-#include "common/util/random.h"
 
 namespace dadrl {
 namespace {
 
-constexpr double kHalfLength = kVehicleLength / 2.0;
-// Streams of an episode's seed.
-enum SeedStream : uint64_t { kDriverStream, kSumoStream, kLoopStream };
-// moveToXY maps the ego to lanes at most this far away; beyond it the ego is off the road, at the same place.
-constexpr double kMatchThreshold = 5.0;
-constexpr int kKeepExactPosition = 2;
-
 std::atomic<bool> process_has_simulation{false};
-
-double HeadingFromSumo(double degrees) { return WrapAngle((90.0 - degrees) * std::numbers::pi / 180.0); }
-double HeadingToSumo(double heading) {
-  const double degrees = 90.0 - WrapAngle(heading) * 180.0 / std::numbers::pi;
-  return degrees < 0.0 ? degrees + 360.0 : degrees;
-}
-
-// SUMO places vehicles by their front, the task by their centre.
-Pose PoseFromSumo(const std::string& id) {
-  const libsumo::TraCIPosition front = libsumo::Vehicle::getPosition(id);
-  const double heading = HeadingFromSumo(libsumo::Vehicle::getAngle(id));
-  return {Point{front.x, front.y} - kHalfLength * Forward(heading), heading};
-}
 
 bool IsFinite(const EgoState& ego) {
   return std::isfinite(ego.pose.position.x) && std::isfinite(ego.pose.position.y) &&
@@ -69,11 +48,11 @@ Result<ScenarioPlan> LoadPlan(const Scenario& scenario) {
 
 class Simulation::Impl {
  public:
-  Impl(Scenario scenario, SimulationOptions options, MemoryFile traffic_file, ScenarioPlan plan)
-      : scenario_(std::move(scenario)),
+  Impl(const Scenario& scenario, const SimulationOptions& options, MemoryFile route_file, ScenarioPlan plan)
+      : scenario_(scenario),
         options_(options),
-        traffic_file_(std::move(traffic_file)),
-        plan_(std::move(plan)) {}
+        plan_(std::move(plan)),
+        traffic_(scenario_, scenario_.profile(options_.profile), plan_, std::move(route_file)) {}
 
   // SUMO judges options, driver attributes and the flows' routes only when it runs with them.
   Status TryTraffic();
@@ -83,83 +62,38 @@ class Simulation::Impl {
 
   const ScenarioPlan& plan() const { return plan_; }
   const WorldState& world() const { return world_; }
-  bool ego_arrived() const { return ego_arrived_; }
+  bool ego_arrived() const { return traffic_.ego_arrived(); }
   EgoDriver driver() const { return options_.ego_driver; }
 
  private:
-  // A vehicle waits before it first enters, and again whenever it has finished its loop.
-  enum class Presence { kWaiting, kInNetwork };
-
-  std::vector<std::string> SumoOptions(uint64_t seed) const;
-  Status Load(uint64_t seed);
-  void StepTraffic();
-  void ReenterTraffic(const std::string& id);
-  Status ReadVehicles();
-  Status CheckNoneVanished();
+  EgoTraffic EgoAsTraffic() const;
+  Status StepAndRead();
   Status SpawnEgo();
   bool StartIsFree() const;
   void AddDrivenEgo();
   Status AddSumoEgo();
-  void MoveEgo(const EgoState& ego);
   void FollowSumoEgo();
 
   const Scenario scenario_;
   const SimulationOptions options_;
-  MemoryFile traffic_file_;
   const ScenarioPlan plan_;
-
+  SumoTraffic traffic_;
   bool episode_runs_ = false;
-  Random loop_random_{0};
-  std::vector<Presence> presence_;
-  bool ego_in_network_ = false;
-  bool ego_arrived_ = false;
   WorldState world_;
 };
 
-std::vector<std::string> Simulation::Impl::SumoOptions(uint64_t seed) const {
-  // A map, because SUMO refuses an option that is given twice.
-  std::map<std::string, std::string> options{
-      {"net-file", scenario_.network.string()},
-      {"route-files", traffic_file_.path()},
-      {"step-length", fmt::format("{}", kStepSeconds)},
-      {"seed", fmt::format("{}", DeriveSeed(seed, kSumoStream) & 0x7fffffff)},
-      {"time-to-teleport", "-1"},
-      {"collision.action", "none"},
-      {"no-step-log", "true"},
-      {"no-warnings", "true"},
-      {"xml-validation", "never"},
-      {"xml-validation.net", "never"},
-  };
-  for (const auto& [name, value] : scenario_.profile(options_.profile).sumo_options) options[name] = value;
-  std::vector<std::string> arguments;
-  for (const auto& [name, value] : options) {
-    arguments.push_back("--" + name);
-    arguments.push_back(value);
-  }
-  return arguments;
-}
-
-Status Simulation::Impl::Load(uint64_t seed) {
-  Random driver_random(DeriveSeed(seed, kDriverStream));
-  const std::vector<DriverType> types = DrawDriverTypes(scenario_.driver_types, driver_random);
-  loop_random_ = Random(DeriveSeed(seed, kLoopStream));
-  presence_.assign(static_cast<size_t>(scenario_.population()), Presence::kWaiting);
-  ego_in_network_ = ego_arrived_ = false;
-  world_ = WorldState();
+EgoTraffic Simulation::Impl::EgoAsTraffic() const {
   EgoTraffic ego{plan_.ego_edges, options_.ego_driver == EgoDriver::kSumo, options_.max_speed_mps,
                  options_.sumo_driver_impatience};
   // The traffic must not see where a driven ego wants to go: only its first edge is declared.
   if (!ego.sumo_drives) ego.edges.resize(1);
-  DADRL_RETURN_IF_ERROR(traffic_file_.Write(
-      TrafficXml(scenario_, scenario_.profile(options_.profile), types, plan_.lane_end_m, ego)));
-  libsumo::Simulation::load(SumoOptions(seed));
-  return {};
+  return ego;
 }
 
 Status Simulation::Impl::TryTraffic() {
   const Status tried = Guard("trying the traffic", [&]() -> Status {
-    DADRL_RETURN_IF_ERROR(Load(0));
-    StepTraffic();
+    DADRL_RETURN_IF_ERROR(traffic_.Load(0, EgoAsTraffic()));
+    traffic_.Step();
     return {};
   });
   if (tried) return {};
@@ -168,14 +102,20 @@ Status Simulation::Impl::TryTraffic() {
 
 Status Simulation::Impl::Reset(uint64_t seed) {
   episode_runs_ = false;
+  world_ = WorldState();
   DADRL_RETURN_IF_ERROR(Guard("starting an episode", [&]() -> Status {
-    DADRL_RETURN_IF_ERROR(Load(seed));
+    DADRL_RETURN_IF_ERROR(traffic_.Load(seed, EgoAsTraffic()));
     const long warm_up_steps = std::lround(scenario_.warm_up_s / kStepSeconds);
-    for (long step = 0; step < warm_up_steps; ++step) StepTraffic();
+    for (long step = 0; step < warm_up_steps; ++step) traffic_.Step();
     return SpawnEgo();
   }));
   episode_runs_ = true;
   return {};
+}
+
+Status Simulation::Impl::StepAndRead() {
+  traffic_.Step();
+  return traffic_.Read(world_.vehicles);
 }
 
 bool Simulation::Impl::StartIsFree() const {
@@ -185,17 +125,14 @@ bool Simulation::Impl::StartIsFree() const {
 }
 
 Status Simulation::Impl::SpawnEgo() {
-  DADRL_RETURN_IF_ERROR(ReadVehicles());
+  DADRL_RETURN_IF_ERROR(traffic_.Read(world_.vehicles));
   for (int waited = 0; !StartIsFree(); ++waited) {
     if (waited == options_.spawn_limit_steps) {
       return Fail(ErrorCode::kUnavailable, "scenario '{}': the ego's start stayed blocked for {:.0f} s",
                   scenario_.name, waited * kStepSeconds);
     }
-    StepTraffic();
-    DADRL_RETURN_IF_ERROR(ReadVehicles());
+    DADRL_RETURN_IF_ERROR(StepAndRead());
   }
-  world_.ego.pose = plan_.start;
-  world_.ego.speed_mps = world_.ego.velocity_lon = std::min(plan_.start_limit_mps, options_.max_speed_mps);
   if (options_.ego_driver == EgoDriver::kSumo) return AddSumoEgo();
   AddDrivenEgo();
   return {};
@@ -207,6 +144,8 @@ void Simulation::Impl::AddDrivenEgo() {
   // No check of SUMO's may keep the ego from what it is told.
   libsumo::Vehicle::setSpeedMode(kEgoId, 0);
   libsumo::Vehicle::setLaneChangeMode(kEgoId, 0);
+  world_.ego.pose = plan_.start;
+  world_.ego.speed_mps = world_.ego.velocity_lon = std::min(lane.speed_limit, options_.max_speed_mps);
 }
 
 Status Simulation::Impl::AddSumoEgo() {
@@ -215,67 +154,15 @@ Status Simulation::Impl::AddSumoEgo() {
   const Lane& last = plan_.map.lanes()[static_cast<size_t>(lanes.back())];
   libsumo::Vehicle::add(kEgoId, kEgoId, kEgoId, "now", std::to_string(first.index),
                         fmt::format("{}", plan_.start_offset_m), "max", std::to_string(last.index));
-  for (int waited = 0; !ego_in_network_; ++waited) {
+  for (int waited = 0; !traffic_.ego_in_network(); ++waited) {
     if (waited == options_.spawn_limit_steps) {
       return Fail(ErrorCode::kUnavailable, "scenario '{}': SUMO could not insert the ego for {:.0f} s",
                   scenario_.name, waited * kStepSeconds);
     }
-    StepTraffic();
-    DADRL_RETURN_IF_ERROR(ReadVehicles());
+    DADRL_RETURN_IF_ERROR(StepAndRead());
   }
   world_.ego.pose = PoseFromSumo(kEgoId);
   world_.ego.speed_mps = world_.ego.velocity_lon = libsumo::Vehicle::getSpeed(kEgoId);
-  return {};
-}
-
-void Simulation::Impl::StepTraffic() {
-  libsumo::Simulation::step();
-  for (const std::string& id : libsumo::Simulation::getArrivedIDList()) {
-    if (id == kEgoId) {
-      ego_arrived_ = true;
-    } else {
-      ReenterTraffic(id);
-    }
-  }
-}
-
-void Simulation::Impl::ReenterTraffic(const std::string& id) {
-  const int vehicle = SocialIndex(id);
-  const int flow = vehicle / scenario_.driver_types;
-  const int lanes = plan_.departure_lanes[static_cast<size_t>(flow)];
-  libsumo::Vehicle::add(id, FlowId(flow), TypeId(vehicle % scenario_.driver_types), "now",
-                        std::to_string(loop_random_.Below(static_cast<uint64_t>(lanes))), "0", "0");
-  presence_[static_cast<size_t>(vehicle)] = Presence::kWaiting;
-}
-
-Status Simulation::Impl::ReadVehicles() {
-  world_.vehicles.clear();
-  ego_in_network_ = false;
-  for (const std::string& id : libsumo::Vehicle::getIDList()) {
-    const int vehicle = SocialIndex(id);
-    if (vehicle < 0) {
-      ego_in_network_ = true;
-      continue;
-    }
-    world_.vehicles.push_back({vehicle, PoseFromSumo(id), libsumo::Vehicle::getSpeed(id),
-                               plan_.map.FindLane(libsumo::Vehicle::getLaneID(id))});
-  }
-  std::sort(world_.vehicles.begin(), world_.vehicles.end(),
-            [](const SocialVehicle& a, const SocialVehicle& b) { return a.id < b.id; });
-  return CheckNoneVanished();
-}
-
-Status Simulation::Impl::CheckNoneVanished() {
-  auto next = world_.vehicles.begin();
-  for (size_t vehicle = 0; vehicle < presence_.size(); ++vehicle) {
-    if (next != world_.vehicles.end() && next->id == static_cast<int>(vehicle)) {
-      ++next;
-      presence_[vehicle] = Presence::kInNetwork;
-    } else if (presence_[vehicle] == Presence::kInNetwork) {
-      return Fail(ErrorCode::kInternal, "vehicle {} vanished from the traffic",
-                  SocialId(static_cast<int>(vehicle)));
-    }
-  }
   return {};
 }
 
@@ -286,36 +173,27 @@ Status Simulation::Impl::Step(const EgoState* ego) {
   }
   episode_runs_ = false;
   DADRL_RETURN_IF_ERROR(Guard("in a step", [&]() -> Status {
-    if (ego != nullptr) MoveEgo(*ego);
-    StepTraffic();
-    DADRL_RETURN_IF_ERROR(ReadVehicles());
-    const bool ego_left_at_its_goal = ego == nullptr && ego_arrived_;
-    if (ego_in_network_ || ego_left_at_its_goal) return {};
-    return Fail(ErrorCode::kInternal, "the ego vanished from the traffic");
-  }));
-  if (ego != nullptr) {
-    world_.ego = *ego;
-  } else {
-    DADRL_RETURN_IF_ERROR(Guard("reading the ego", [&]() -> Status {
+    if (ego != nullptr) MoveInSumo(kEgoId, ego->pose, ego->speed_mps);
+    DADRL_RETURN_IF_ERROR(StepAndRead());
+    const bool left_at_its_goal = ego == nullptr && traffic_.ego_arrived();
+    if (!traffic_.ego_in_network() && !left_at_its_goal) {
+      return Fail(ErrorCode::kInternal, "the ego vanished from the traffic");
+    }
+    if (ego == nullptr) {
       FollowSumoEgo();
-      return {};
-    }));
-  }
+    } else {
+      world_.ego = *ego;
+    }
+    return {};
+  }));
   ++world_.step;
   episode_runs_ = true;
   return {};
 }
 
-void Simulation::Impl::MoveEgo(const EgoState& ego) {
-  const Point front = ego.pose.position + kHalfLength * Forward(ego.pose.heading);
-  libsumo::Vehicle::setSpeed(kEgoId, ego.speed_mps);
-  libsumo::Vehicle::moveToXY(kEgoId, "", 0, front.x, front.y, HeadingToSumo(ego.pose.heading),
-                             kKeepExactPosition, kMatchThreshold);
-}
-
 void Simulation::Impl::FollowSumoEgo() {
   EgoState now = world_.ego;
-  if (ego_in_network_) {
+  if (traffic_.ego_in_network()) {
     now.pose = PoseFromSumo(kEgoId);
     now.speed_mps = now.velocity_lon = libsumo::Vehicle::getSpeed(kEgoId);
   } else {
@@ -323,7 +201,8 @@ void Simulation::Impl::FollowSumoEgo() {
     // there, unless it left by another lane than the goal's.
     const Polyline& centre = plan_.route.centre();
     if (centre.Project(now.pose.position).distance > kVehicleWidth) return;
-    now.pose.position = plan_.route.goal() - kHalfLength * Forward(centre.HeadingAt(centre.length()));
+    now.pose.position =
+        plan_.route.goal() - (kVehicleLength / 2.0) * Forward(centre.HeadingAt(centre.length()));
   }
   CompleteMotion(world_.ego, now);
   world_.ego = now;
@@ -336,18 +215,18 @@ Result<std::unique_ptr<Simulation>> Simulation::Create(const Scenario& scenario,
   }
   // Gives the process back when anything below fails.
   std::unique_ptr<Simulation> simulation(new Simulation);
-  DADRL_ASSIGN_OR_RETURN(MemoryFile traffic_file, MemoryFile::Create("dadrl-traffic"));
+  DADRL_ASSIGN_OR_RETURN(MemoryFile route_file, MemoryFile::Create("dadrl-traffic"));
   DADRL_ASSIGN_OR_RETURN(StderrCapture complaints, StderrCapture::Start());
   Status created;
   if (auto plan = LoadPlan(scenario)) {
-    simulation->impl_ = std::make_unique<Impl>(scenario, options, std::move(traffic_file), std::move(*plan));
+    simulation->impl_ = std::make_unique<Impl>(scenario, options, std::move(route_file), std::move(*plan));
     created = simulation->impl_->TryTraffic();
   } else {
     created = tl::unexpected(plan.error());
   }
   const std::string details = complaints.Finish();
   if (created) return simulation;
-  return Fail(created.error().code, "{} {}", created.error().message, details);
+  return Fail(created.error().code, "{}{}{}", created.error().message, details.empty() ? "" : " ", details);
 }
 
 Simulation::Simulation() = default;

@@ -1,0 +1,58 @@
+// An episode's traffic inside libsumo: loaded by seed, looping for ever, read vehicle by vehicle.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "actor/sim/memory_file.h"
+#include "actor/sim/scenario.h"
+#include "actor/sim/scenario_plan.h"
+#include "actor/sim/traffic.h"
+#include "actor/sim/world_state.h"
+#include "common/util/random.h"
+
+namespace dadrl {
+
+// Every function may throw what libsumo throws. Not thread safe.
+class SumoTraffic {
+ public:
+  // All but the file must outlive it.
+  SumoTraffic(const Scenario& scenario, const ProfileSettings& profile, const ScenarioPlan& plan,
+              MemoryFile route_file);
+
+  // Draws the drivers of `seed` and starts SUMO anew at time zero. Whatever ran before leaves no trace.
+  Status Load(uint64_t seed, const EgoTraffic& ego);
+
+  // 0.1 s. A vehicle that finished its route enters it again: standing at its start, on a random lane (paper
+  // code).
+  void Step();
+
+  // The population now in the network, ordered by id; the rest waits for room to enter.
+  // kInternal: a vehicle vanished.
+  Status Read(std::vector<SocialVehicle>& vehicles);
+
+  // As of the last Read.
+  bool ego_in_network() const { return ego_in_network_; }
+  // Since Load: the ego's route in SUMO ended.
+  bool ego_arrived() const { return ego_arrived_; }
+
+ private:
+  // A vehicle waits before it first enters, and again whenever it has finished its loop.
+  enum class Presence { kWaiting, kInNetwork };
+
+  std::vector<std::string> SumoOptions(uint64_t seed) const;
+  void Reenter(const std::string& id);
+  Status CheckNoneVanished(const std::vector<SocialVehicle>& vehicles);
+
+  const Scenario& scenario_;
+  const ProfileSettings& profile_;
+  const ScenarioPlan& plan_;
+  MemoryFile route_file_;
+  Random loop_random_{0};
+  std::vector<Presence> presence_;
+  bool ego_in_network_ = false;
+  bool ego_arrived_ = false;
+};
+
+}  // namespace dadrl
