@@ -31,7 +31,8 @@ class DrivingTask {
   void Begin(uint64_t seed, const EgoLocation& location);
   // The scene after one more simulation step. Not after a step that ended the episode.
   TaskStep Step(const WorldState& world, const EgoLocation& location);
-  // The same for a step in which SUMO's driver took the ego out of the network: to the goal, or else off-road.
+  // The same for a step in which SUMO's driver took the ego out of the network: to the goal, or else
+  // off-road.
   TaskStep Leave(const WorldState& world, const EgoLocation& location);
 
   // Complete after the step that ended the episode.
