@@ -6,11 +6,19 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <ostream>
 #include <random>
 #include <vector>
 
 #include "common/nn/kernels/conv_reference.h"
 #include "common/nn/kernels/conv_stack.h"
+
+namespace dadrl::nn {
+
+// How GoogleTest names the parameter.
+inline void PrintTo(Isa isa, std::ostream* os) { *os << IsaName(isa); }
+
+}  // namespace dadrl::nn
 
 namespace dadrl::nn::testing {
 

@@ -93,6 +93,20 @@ TEST_P(ConvNanTest, GradientOfAnInactiveFeatureIsDropped) {
   for (int l = 0; l < kConvLayers; ++l) EXPECT_EQ(run.grads.weight[l], clean.grads.weight[l]);
 }
 
+// Also as PyTorch: an output that is NaN is not inactive.
+TEST_P(ConvNanTest, GradientPassesOutputsThatAreNan) {
+  const auto context = RandomImages(16, 44);
+  Tensors<float> params = RandomParams(45);
+  params.bias[0][0] = kNan;
+  const auto d_features = RandomFloats(16 * kConvFeatures, 46);
+  const Oracle expected(context, ToDouble(params), d_features);
+  const StepResult run(context, params, d_features);
+  for (int l = 0; l < kConvLayers; ++l) {
+    EXPECT_FALSE(HasNan(run.grads.bias[l]));
+    EXPECT_LE(MaxNormError(run.grads.bias[l], expected.grads.bias[l]), 1e-5) << "bias " << l + 1;
+  }
+}
+
 TEST_P(ConvNanTest, InfiniteWeightDoesNotLookFinite) {
   const auto context = RandomImages(16, 42);
   Tensors<float> params = RandomParams(43);
