@@ -50,6 +50,13 @@ std::vector<SequenceTable::Stream> SequenceTable::Newest() const {
   return streams;
 }
 
+std::optional<SequenceTable::Stream> SequenceTable::Newest(uint32_t actor) const {
+  const auto found = actors_.find(actor);
+  if (found == actors_.end()) return std::nullopt;
+  const auto& [incarnation, stored] = *found->second.rbegin();
+  return Stream{actor, incarnation, stored};
+}
+
 void SequenceTable::Merge(const SequenceTable& other) {
   for (const auto& [actor, incarnations] : other.actors_) {
     for (const auto& [incarnation, stored] : incarnations) {

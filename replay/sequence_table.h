@@ -40,8 +40,9 @@ class SequenceTable {
 
   // Highest stored sequence, nothing for an unknown incarnation.
   std::optional<uint64_t> Stored(uint32_t actor, uint64_t incarnation) const;
-  // The newest incarnation of each actor.
+  // The newest incarnation of each actor, or of one.
   std::vector<Stream> Newest() const;
+  std::optional<Stream> Newest(uint32_t actor) const;
 
   // Takes the higher of both for every incarnation.
   void Merge(const SequenceTable& other);

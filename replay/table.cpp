@@ -126,57 +126,74 @@ Status ReplayTable::SaveState() {
   return WriteReplayState(StatePath(), state);
 }
 
-Status ReplayTable::Validate(std::span<const std::byte> bytes, std::optional<ChunkView>& chunk) const {
-  DADRL_ASSIGN_OR_RETURN(chunk, ChunkView::Parse(bytes));
-  if (chunk->header().schema != options_.schema) {
+Result<ChunkView> ReplayTable::Parse(std::span<const std::byte> bytes) const {
+  DADRL_ASSIGN_OR_RETURN(ChunkView chunk, ChunkView::Parse(bytes));
+  if (chunk.header().schema != options_.schema) {
     return Fail(
         ErrorCode::kCorrupt,
         "actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the actor with the "
         "configuration of the run",
-        chunk->header().identity.actor, chunk->header().schema, options_.schema);
+        chunk.header().identity.actor, chunk.header().schema, options_.schema);
   }
-  if (options_.verify) return options_.verify(*chunk);
-  return {};
+  return chunk;
+}
+
+ReplayTable::Insertion ReplayTable::Refuse(const Error& reason) {
+  MutexLock lock(mutex_);
+  if (counters_.rejected_chunks++ == 0)
+    spdlog::warn("refused a chunk (more are counted): {}", reason.message);
+  return Insertion::kRejected;
 }
 
 Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> bytes, uint64_t oldest_kept) {
-  std::optional<ChunkView> chunk;
-  if (const Status valid = Validate(bytes, chunk); !valid) {
-    MutexLock lock(mutex_);
-    if (counters_.rejected_chunks++ == 0) spdlog::warn("refused a chunk: {}", valid.error().message);
-    return Insertion::kRejected;
-  }
+  const Result<ChunkView> chunk = Parse(bytes);
+  if (!chunk) return Refuse(chunk.error());
   const ChunkIdentity identity = chunk->header().identity;
-  const SequenceTable::Verdict verdict = sequences_.Check(identity, std::min(oldest_kept, identity.sequence));
-  if (verdict == SequenceTable::Verdict::kNext) {
-    DADRL_RETURN_IF_ERROR(EnsureSegment(bytes.size()));
-    DADRL_ASSIGN_OR_RETURN(const SegmentLog::Stored stored, log_->Append(bytes));
-    // The same bytes, at the place where they stay.
-    chunk->Rebase(stored.bytes);
-    last_segment_ = stored.segment->id();
-    const uint64_t skipped = sequences_.Accept(identity);
-    {
+  switch (sequences_.Check(identity, std::min(oldest_kept, identity.sequence))) {
+    case SequenceTable::Verdict::kNext:
+      break;
+    case SequenceTable::Verdict::kDuplicate: {
       MutexLock lock(mutex_);
-      index_.Add(stored.segment, *chunk);
-      limiter_.OnInsert(static_cast<int64_t>(Actions(*chunk)));
-      counters_.inserted_bytes += bytes.size();
-      counters_.lost_chunks += skipped;
-    }
-    BoundIndex();
-    return Insertion::kStored;
-  }
-  MutexLock lock(mutex_);
-  switch (verdict) {
-    case SequenceTable::Verdict::kDuplicate:
       ++counters_.duplicate_chunks;
       return Insertion::kDuplicate;
-    case SequenceTable::Verdict::kGap:
+    }
+    case SequenceTable::Verdict::kGap: {
+      MutexLock lock(mutex_);
       ++counters_.early_chunks;
       return Insertion::kEarly;
-    default:
-      ++counters_.rejected_chunks;
-      return Insertion::kRejected;
+    }
+    case SequenceTable::Verdict::kStale:
+    case SequenceTable::Verdict::kTooMany:
+      return Refuse(
+          {ErrorCode::kExhausted,
+           fmt::format("actor {}, incarnation {}: an actor that has been restarted since, or one of "
+                       "too many",
+                       identity.actor, identity.incarnation)});
   }
+  if (const Status sound = options_.verify ? options_.verify(*chunk) : Status(); !sound) {
+    sequences_.Accept(identity);
+    return Refuse(sound.error());
+  }
+  DADRL_RETURN_IF_ERROR(Store(*chunk));
+  return Insertion::kStored;
+}
+
+Status ReplayTable::Store(ChunkView chunk) {
+  const size_t length = chunk.bytes().size();
+  DADRL_RETURN_IF_ERROR(EnsureSegment(length));
+  DADRL_ASSIGN_OR_RETURN(const SegmentLog::Stored stored, log_->Append(chunk.bytes()));
+  chunk.Rebase(stored.bytes);
+  last_segment_ = stored.segment->id();
+  const uint64_t skipped = sequences_.Accept(chunk.header().identity);
+  {
+    MutexLock lock(mutex_);
+    index_.Add(stored.segment, chunk);
+    limiter_.OnInsert(static_cast<int64_t>(Actions(chunk)));
+    counters_.inserted_bytes += length;
+    counters_.lost_chunks += skipped;
+  }
+  BoundIndex();
+  return {};
 }
 
 Status ReplayTable::EnsureSegment(size_t length) {

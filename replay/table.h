@@ -37,7 +37,8 @@ struct TableOptions {
   ReplayConfig replay;
   int n_step = 1;     // of the longest slices that will be asked for
   uint64_t seed = 1;  // of the draws
-  // Looks at each new chunk's payloads before it is stored; null: they are trusted.
+  // Looks at each new chunk's payloads before it is stored; null: they are trusted. A chunk that fails is
+  // dropped, and its actor need not keep it: the episode breaks off there.
   std::function<Status(const ChunkView&)> verify;
 };
 
@@ -66,7 +67,7 @@ class ReplayTable {
     kStored,
     kDuplicate,
     kEarly,     // not stored: one before it is still to come
-    kRejected,  // not stored, and never will be
+    kRejected,  // not stored, and never will be; if only its frames are bad, its sequence counts as done
   };
 
   // Recovers what is in the directory, logs what it found. Borrows `clock`. kCorrupt: other schema;
@@ -78,6 +79,7 @@ class ReplayTable {
   Result<Insertion> Insert(std::span<const std::byte> chunk, uint64_t oldest_kept = 0);
   // The newest incarnation of each actor, with its highest stored sequence.
   std::vector<SequenceTable::Stream> Streams() const { return sequences_.Newest(); }
+  std::optional<SequenceTable::Stream> StreamOf(uint32_t actor) const { return sequences_.Newest(actor); }
   std::optional<uint64_t> Stored(uint32_t actor, uint64_t incarnation) const {
     return sequences_.Stored(actor, incarnation);
   }
@@ -104,6 +106,7 @@ class ReplayTable {
 
   Stats stats() const;
   uint64_t schema() const { return options_.schema; }
+  int n_step() const { return options_.n_step; }
 
  private:
   ReplayTable(TableOptions options, const Clock& clock);
@@ -111,7 +114,9 @@ class ReplayTable {
   // True when the record is a chunk of ours, and now in the index.
   bool RecoverRecord(const std::shared_ptr<const Segment>& segment, std::span<const std::byte> record);
   Status RestoreState();
-  Status Validate(std::span<const std::byte> bytes, std::optional<ChunkView>& chunk) const;
+  Result<ChunkView> Parse(std::span<const std::byte> bytes) const;
+  Insertion Refuse(const Error& reason) DADRL_EXCLUDES(mutex_);
+  Status Store(ChunkView chunk) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length);
   void DropOldestSegment() DADRL_EXCLUDES(mutex_);
   void BoundIndex() DADRL_EXCLUDES(mutex_);

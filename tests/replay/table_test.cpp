@@ -70,9 +70,13 @@ TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
   ChunkBuilder alien({.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
   alien.AddTransition(Observation({.vehicles = 2, .history = 1}), {}, 0.0f, kTerminated, 1);
   EXPECT_EQ(table->Insert(alien.Finish({1, 1, 1})), Insertion::kRejected);
-  EXPECT_EQ(table->Insert(EpisodeChunk(2)), Insertion::kRejected);
-  EXPECT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kStored);
+  EXPECT_EQ(table->Insert(EpisodeChunk(1), 1), Insertion::kStored);
+  EXPECT_EQ(table->Insert(EpisodeChunk(2), 2), Insertion::kRejected);
   EXPECT_EQ(table->stats().rejected_chunks, 3u);
+  // The bad chunk is done with: its actor goes on.
+  EXPECT_EQ(table->Stored(1, 1), 2u);
+  EXPECT_EQ(table->Insert(EpisodeChunk(3), 3), Insertion::kStored);
+  EXPECT_EQ(table->stats().items, 20u);
 }
 
 TEST(ReplayTable, SamplingWaitsForTheMinimumSizeAndForInserts) {

@@ -1,0 +1,67 @@
+// dadrl-replay: one shard of the replay service.
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "common/config/config_yaml.h"
+#include "common/config/validate.h"
+#include "common/util/log.h"
+#include "common/util/shutdown.h"
+#include "replay/service/replay_service.h"
+
+namespace {
+
+constexpr int kWrongUsage = 2;
+
+dadrl::Result<uint64_t> ParseIncarnation(const std::string& text) {
+  if (text == "auto") return static_cast<uint64_t>(dadrl::WallTimeNs());
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    return dadrl::Fail(dadrl::ErrorCode::kInvalidArgument, "--incarnation: '{}' is neither auto nor a number",
+                       text);
+  }
+  return value;
+}
+
+dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService::Options options,
+                  const std::string& incarnation) {
+  DADRL_ASSIGN_OR_RETURN(options.incarnation, ParseIncarnation(incarnation));
+  DADRL_RETURN_IF_ERROR(dadrl::LoadYaml(config_file, options.config));
+  DADRL_RETURN_IF_ERROR(dadrl::Validate(options.config));
+  if (options.shard >= static_cast<uint32_t>(options.config.replay.shards)) {
+    return dadrl::Fail(dadrl::ErrorCode::kInvalidArgument, "--shard: {} does not exist, replay.shards is {}",
+                       options.shard, options.config.replay.shards);
+  }
+  const dadrl::SystemClock clock;
+  DADRL_ASSIGN_OR_RETURN(const auto service, dadrl::ReplayService::Create(options, clock));
+  return service->Run(dadrl::shutdown_requested);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Stores the actors' experience and serves batches of it to the learner.", "dadrl-replay");
+  std::string config_file;
+  std::string incarnation = "auto";
+  dadrl::ReplayService::Options options;
+  app.add_option("--config", config_file, "Configuration of the run, YAML")->required();
+  app.add_option("--run-dir", options.run_directory, "Folder of the run")->required();
+  app.add_option("--shard", options.shard, "Which shard this is, from 0")->required();
+  app.add_option("--incarnation", incarnation, "A number that grows with each start, or auto")
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  dadrl::InitLogging(fmt::format("replay-{}", options.shard));
+  dadrl::InstallShutdownHandler();
+  if (const dadrl::Status done = Run(config_file, std::move(options), incarnation); !done) {
+    spdlog::error("{}", done.error().message);
+    return dadrl::ExitCode(done.error());
+  }
+  return 0;
+}

@@ -1,0 +1,159 @@
+#include "replay/service/batch_server.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "common/util/log.h"
+#include "proto/sample_batch.h"
+
+namespace dadrl {
+namespace {
+
+// Between two looks at the priorities, which have no wait of their own.
+constexpr Duration kWait = std::chrono::milliseconds(10);
+constexpr size_t kMaxReplyBytes = size_t{64} << 20;
+
+}  // namespace
+
+Result<std::unique_ptr<BatchServer>> BatchServer::Create(const dds::Node& node, uint32_t shard,
+                                                         ReplayTable& table, const Clock& clock,
+                                                         std::function<void()> on_sample) {
+  Endpoints endpoints;
+  DADRL_ASSIGN_OR_RETURN(endpoints.replies,
+                         dds::Writer<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
+  DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
+                         dds::Reader<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
+  DADRL_ASSIGN_OR_RETURN(endpoints.requests,
+                         dds::Reader<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
+  return std::unique_ptr<BatchServer>(
+      new BatchServer(std::move(endpoints), shard, table, clock, std::move(on_sample)));
+}
+
+BatchServer::BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, const Clock& clock,
+                         std::function<void()> on_sample)
+    : endpoints_(std::move(endpoints)),
+      shard_(shard),
+      table_(table),
+      on_sample_(std::move(on_sample)),
+      ledger_(clock) {}
+
+void BatchServer::Wake() {
+  if (waiting_.load()) endpoints_.requests->Wake();
+}
+
+void BatchServer::Run(const std::atomic<bool>& stop) {
+  while (!stop.load()) {
+    TakeRequests();
+    TakePriorities();
+    // Before the last look, so that an insert after it wakes us.
+    waiting_.store(true);
+    const bool held = ServePending();
+    ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
+    endpoints_.requests->Wait(kWait);
+    waiting_.store(false);
+    ledger_.Enter(Activity::kWork);
+  }
+}
+
+void BatchServer::TakeRequests() {
+  endpoints_.requests->Take(static_cast<int>(kMaxPending),
+                            [this](const dadrl_idl_BatchRequest& message) { OnRequest(message); });
+}
+
+void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
+  if (message.shard != shard_ || message.learner < learner_) return;
+  if (message.learner > learner_) pending_.clear();
+  learner_ = message.learner;
+  if (message.schema != table_.schema()) {
+    return Refuse(fmt::format("the learner's observations have schema {:#x}, this replay holds {:#x}",
+                              message.schema, table_.schema()));
+  }
+  if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
+    return Refuse(fmt::format("a batch of {} is not between 1 and {}", message.batch_size, kMaxBatch));
+  }
+  if (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step())) {
+    return Refuse(fmt::format("slices of {} steps; this replay was started with algorithm.n_step {}",
+                              message.n_step, table_.n_step()));
+  }
+  const auto known = std::find_if(pending_.begin(), pending_.end(),
+                                  [&](const Request& request) { return request.number == message.request; });
+  if (known != pending_.end()) {
+    known->told = false;  // who asks again, hears again
+    return;
+  }
+  if (pending_.size() >= kMaxPending) return Refuse("too many requests at once");
+  pending_.push_back({.learner = message.learner,
+                      .number = message.request,
+                      .batch_size = message.batch_size,
+                      .n_step = static_cast<int>(message.n_step),
+                      .policy_version = message.policy_version,
+                      .told = false,
+                      .prepared = {}});
+}
+
+void BatchServer::Refuse(const std::string& reason) {
+  if (refused_.fetch_add(1) == 0) spdlog::error("refused a batch request (more are counted): {}", reason);
+}
+
+void BatchServer::TakePriorities() {
+  endpoints_.priorities->Take(64, [this](const dadrl_idl_PriorityUpdate& message) {
+    if (message.shard != shard_) return;
+    table_.UpdatePriorities({message.keys._buffer, message.keys._length},
+                            {message.priorities._buffer, message.priorities._length});
+  });
+}
+
+bool BatchServer::ServePending() {
+  while (!pending_.empty()) {
+    // A batch that nobody receives is lost, and its samples are spent.
+    if (endpoints_.replies->matched() == 0) return false;
+    Request& request = pending_.front();
+    if (request.prepared.empty() && !Prepare(request)) {
+      for (Request& waiting : pending_) {
+        std::vector<std::byte> nothing;
+        if (!waiting.told && Reply(waiting, nothing)) waiting.told = true;
+      }
+      return true;
+    }
+    if (!Reply(request, request.prepared)) return false;
+    batches_.fetch_add(1);
+    bytes_.fetch_add(request.prepared.size());
+    pending_.pop_front();
+    TakePriorities();
+  }
+  return false;
+}
+
+bool BatchServer::Prepare(Request& request) {
+  if (table_.MaySample(request.batch_size) != RateLimiter::Hold::kNone) return false;
+  const Result<SampledBatch> batch =
+      table_.Sample(request.batch_size, request.n_step, request.policy_version);
+  if (!batch) {
+    if (batch.error().code != ErrorCode::kUnavailable) spdlog::error("{}", batch.error().message);
+    return false;
+  }
+  on_sample_();
+  request.prepared = EncodeSampleBatch(batch->items, table_.schema());
+  if (request.prepared.size() <= kMaxReplyBytes) return true;
+  Refuse(fmt::format("a batch of {} takes {} bytes, at most {} can be sent", request.batch_size,
+                     request.prepared.size(), kMaxReplyBytes));
+  request.prepared.clear();
+  return false;
+}
+
+Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes) {
+  const ReplayTable::Stats stats = table_.stats();
+  dadrl_idl_BatchReply message{};
+  message.shard = shard_;
+  message.learner = request.learner;
+  message.request = request.number;
+  message.frames_held = stats.items;
+  message.frames_inserted = stats.inserted_frames;
+  message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
+  message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
+  return endpoints_.replies->Write(message);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,112 @@
+#include "replay/service/ingest.h"
+
+#include <span>
+#include <utility>
+
+#include "common/util/log.h"
+
+namespace dadrl {
+namespace {
+
+// Chunks between two rounds of acknowledgements.
+constexpr int kRound = 32;
+constexpr Duration kIdleWait = std::chrono::milliseconds(50);
+// What an actor may have under way: enough to fill the pipe, or, where the limiter holds actors back, little
+// enough for it to hold them back soon.
+constexpr uint64_t kWideWindow = 64;
+constexpr uint64_t kNarrowWindow = 2;
+
+}  // namespace
+
+Result<std::unique_ptr<Ingest>> Ingest::Create(const dds::Node& node, const Config& config, uint32_t shard,
+                                               ReplayTable& table, const Clock& clock,
+                                               std::function<void()> on_insert) {
+  // The writer first: an actor that finds the reader can already be answered.
+  DADRL_ASSIGN_OR_RETURN(auto acknowledger, Acknowledger::Create(node, shard));
+  DADRL_ASSIGN_OR_RETURN(auto reader, ChunkReader::Create(node, ChunkTopic(static_cast<int>(shard))));
+  return std::unique_ptr<Ingest>(new Ingest(std::move(reader), std::move(acknowledger), config.replay, table,
+                                            clock, std::move(on_insert)));
+}
+
+Ingest::Ingest(std::unique_ptr<ChunkReader> reader, std::unique_ptr<Acknowledger> acknowledger,
+               const ReplayConfig& replay, ReplayTable& table, const Clock& clock,
+               std::function<void()> on_insert)
+    : reader_(std::move(reader)),
+      acknowledger_(std::move(acknowledger)),
+      replay_(replay),
+      table_(table),
+      clock_(clock),
+      on_insert_(std::move(on_insert)),
+      ledger_(clock) {
+  for (const SequenceTable::Stream& stream : table_.Streams()) acknowledger_->Note(stream);
+}
+
+void Ingest::Run(const std::atomic<bool>& stop) {
+  bool more_due = false;
+  while (!stop.load()) {
+    const int taken = TakeChunks();
+    acknowledger_->SetGrant(CurrentGrant());
+    more_due = SyncIfPromised() && acknowledger_->Publish(clock_.Now());
+    if (taken == 0) reader_->Wait(more_due ? Acknowledger::kMinInterval : kIdleWait);
+  }
+  while (TakeChunks() > 0) {
+  }
+  if (SyncIfPromised()) acknowledger_->Publish(clock_.Now() + Acknowledger::kMinInterval);
+}
+
+int Ingest::TakeChunks() {
+  const int taken =
+      reader_->Take(kRound, [this](const dadrl_idl_ChunkMessage& message) { OnChunk(message); });
+  if (taken > 0) on_insert_();
+  return taken;
+}
+
+void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
+  // While writes fail, what arrives is dropped unseen: the actors keep it and send it again.
+  if (failing_ && clock_.Now() < retry_at_) return;
+  const std::span bytes(reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length);
+  const Result<ReplayTable::Insertion> inserted = table_.Insert(bytes, message.oldest_kept);
+  if (!inserted) {
+    OnFailure(inserted.error());
+    return;
+  }
+  if (*inserted == ReplayTable::Insertion::kStored) {
+    unsynced_ = true;
+    if (std::exchange(failing_, false)) spdlog::info("experience can be stored again");
+  }
+  if (const auto stream = table_.StreamOf(message.actor)) acknowledger_->Note(*stream);
+}
+
+void Ingest::OnFailure(const Error& error) {
+  retry_at_ = clock_.Now() + kRetryInterval;
+  if (std::exchange(failing_, true)) return;
+  spdlog::error("{}; actors keep their experience until it can be stored, sampling goes on", error.message);
+}
+
+bool Ingest::SyncIfPromised() {
+  if (replay_.sync != SyncMode::kAlways || !unsynced_) return true;
+  if (failing_ && clock_.Now() < retry_at_) return false;
+  ScopedActivity waiting(ledger_, Activity::kWaitForDisk);
+  if (const Status synced = table_.Sync(); !synced) {
+    OnFailure(synced.error());
+    return false;
+  }
+  unsynced_ = false;
+  return true;
+}
+
+Acknowledger::Grant Ingest::CurrentGrant() {
+  // One chunk, so that an actor's repeats tell when there is room again.
+  if (failing_) {
+    ledger_.Enter(Activity::kWaitForDisk);
+    return {1};
+  }
+  if (!table_.MayInsert()) {
+    ledger_.Enter(Activity::kWaitForSamples);
+    return {0};
+  }
+  ledger_.Enter(Activity::kWork);
+  return {replay_.min_samples_per_insert > 0.0 ? kNarrowWindow : kWideWindow};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,168 @@
+#include "replay/service/replay_service.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "common/util/log.h"
+#include "common/util/random.h"
+#include "replay/service/chunk_verifier.h"
+
+namespace dadrl {
+namespace {
+
+constexpr Duration kTick = std::chrono::milliseconds(20);
+
+TableOptions OptionsOf(const ReplayService::Options& options) {
+  const ObservationSpec spec = ObservationSpec::From(options.config.observation);
+  TableOptions table{.directory = options.run_directory / "replay" / fmt::format("shard-{}", options.shard),
+                     .schema = SchemaHash(spec),
+                     .replay = options.config.replay,
+                     .n_step = options.config.algorithm.n_step,
+                     .seed = DeriveSeed(options.config.seed, 1000 + options.shard),
+                     .verify = nullptr};
+  if (options.config.replay.verify_frames) {
+    // Shared only because a std::function must be copyable.
+    table.verify = [verifier = std::make_shared<ChunkVerifier>(spec)](const ChunkView& chunk) {
+      return verifier->Check(chunk);
+    };
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& options, const Clock& clock) {
+  std::unique_ptr<ReplayService> service(new ReplayService(options, clock));
+  service->started_ = clock.Now();
+  DADRL_ASSIGN_OR_RETURN(service->table_, ReplayTable::Open(OptionsOf(options), clock));
+  // A disk that is full or read-only is found now, not when the first actor waits for its acknowledgement.
+  DADRL_RETURN_IF_ERROR(service->table_->SaveState());
+  DADRL_RETURN_IF_ERROR(service->Join());
+  return service;
+}
+
+Status ReplayService::Join() {
+  const Config& config = options_.config;
+  DADRL_ASSIGN_OR_RETURN(node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kReplay,
+                                                  static_cast<int>(options_.shard)));
+  DADRL_ASSIGN_OR_RETURN(heartbeat_, dds::Writer<dadrl_idl_Heartbeat>::Create(*node_, kHeartbeatTopic));
+  telemetry_ = std::make_unique<TelemetryPublisher>(config.telemetry.enabled ? TelemetryUrl(config.cluster)
+                                                                             : std::string());
+  DADRL_ASSIGN_OR_RETURN(
+      server_, BatchServer::Create(*node_, options_.shard, *table_, clock_, [this] { ingest_->Wake(); }));
+  DADRL_ASSIGN_OR_RETURN(
+      ingest_, Ingest::Create(*node_, config, options_.shard, *table_, clock_, [this] { server_->Wake(); }));
+  return {};
+}
+
+Status ReplayService::Run(const std::atomic<bool>& stop) {
+  std::atomic<bool> stopping{false};
+  std::thread ingest([&] { ingest_->Run(stopping); });
+  std::thread server([&] { server_->Run(stopping); });
+  std::thread keeper([&] { Keep(stopping); });
+  const ReplayTable::Stats stats = table_->stats();
+  spdlog::info("shard {} serves {} frames ({} MB on disk)", options_.shard, stats.frames_held,
+               stats.disk_bytes / 1000000);
+  const Duration beat_interval = FromSeconds(node_->liveliness_s() / 4);
+  const Duration status_interval = FromSeconds(options_.config.telemetry.interval_s);
+  SystemClock sleeper;
+  TimePoint next_beat = clock_.Now();
+  TimePoint next_status = next_beat;
+  while (!stop.load()) {
+    const TimePoint now = clock_.Now();
+    if (now >= next_beat) {
+      Beat();
+      next_beat = now + beat_interval;
+    }
+    if (now >= next_status) {
+      PublishStatus();
+      next_status = now + status_interval;
+    }
+    sleeper.SleepFor(kTick);
+  }
+  stopping = true;
+  ingest_->Wake();
+  server_->Wake();
+  ingest.join();
+  server.join();
+  keeper.join();
+  PublishStatus();
+  DADRL_RETURN_IF_ERROR(table_->Sync());
+  DADRL_RETURN_IF_ERROR(table_->SaveState());
+  spdlog::info("shard {} stopped with {} frames", options_.shard, table_->stats().frames_held);
+  return {};
+}
+
+void ReplayService::Keep(const std::atomic<bool>& stop) {
+  const bool sync = options_.config.replay.sync == SyncMode::kInterval;
+  const Duration sync_interval = FromSeconds(options_.config.replay.sync_interval_s);
+  constexpr Duration kTrimInterval = std::chrono::seconds(1);
+  SystemClock sleeper;
+  TimePoint next_sync = clock_.Now() + sync_interval;
+  TimePoint next_trim = clock_.Now() + kTrimInterval;
+  bool failed = false;
+  while (!stop.load()) {
+    sleeper.SleepFor(kTick);
+    const TimePoint now = clock_.Now();
+    if (sync && now >= next_sync) {
+      const Status synced = table_->Sync();
+      if (!synced && !std::exchange(failed, true)) spdlog::error("{}", synced.error().message);
+      if (synced) failed = false;
+      next_sync = now + sync_interval;
+    }
+    if (now >= next_trim) {
+      table_->TrimMemory();
+      next_trim = now + kTrimInterval;
+    }
+  }
+}
+
+void ReplayService::Beat() {
+  const dadrl_idl_Heartbeat beat{.role = static_cast<uint32_t>(dds::Role::kReplay),
+                                 .index = options_.shard,
+                                 .incarnation = options_.incarnation,
+                                 .beat = ++beats_};
+  if (const Status sent = heartbeat_->Write(beat); !sent) {
+    spdlog::warn("heartbeat: {}", sent.error().message);
+  }
+}
+
+void ReplayService::PublishStatus() {
+  const ReplayTable::Stats table = table_->stats();
+  ProcessStatus status;
+  status.role = dds::Role::kReplay;
+  status.index = static_cast<int>(options_.shard);
+  status.pid = getpid();
+  status.incarnation = options_.incarnation;
+  status.sent_ns = WallTimeNs();
+  status.uptime_s = ToSeconds(clock_.Now() - started_);
+  status[Metric::kInsertedFrames] = static_cast<double>(table.inserted_frames);
+  status[Metric::kInsertedBytes] = static_cast<double>(table.inserted_bytes);
+  status[Metric::kSampledTransitions] = static_cast<double>(table.sampled);
+  status[Metric::kSampledBytes] = static_cast<double>(server_->statistics().bytes);
+  status[Metric::kRejectedChunks] = static_cast<double>(table.rejected_chunks);
+  status[Metric::kDuplicateChunks] = static_cast<double>(table.duplicate_chunks);
+  status[Metric::kFramesHeld] = static_cast<double>(table.frames_held);
+  status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
+  status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
+  // The server's thread shows which side is slower; from the ingest thread come only the waits it alone has.
+  status.activity_s = server_->ledger().Read();
+  const TimeLedger::Totals ingest = ingest_->ledger().Read();
+  for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {
+    status.activity_s[static_cast<size_t>(activity)] = ingest[static_cast<size_t>(activity)];
+  }
+  telemetry_->Publish(status);
+}
+
+uint64_t ResidentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  uint64_t total = 0;
+  uint64_t resident = 0;
+  if (!(statm >> total >> resident)) return 0;
+  return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace dadrl

@@ -1,0 +1,68 @@
+// One replay shard as a process: the table, its two DDS sides, and what keeps it in order.
+//
+//   ingest thread   chunks -> table, acknowledgements; the only one that writes experience
+//   server thread   requests -> batches, priorities
+//   keeper thread   forces the log to the device (replay.sync: interval), trims resident memory
+//   caller of Run   heartbeats, telemetry, waits for the end
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "common/config/config.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/clock.h"
+#include "common/util/result.h"
+#include "proto/telemetry.h"
+#include "proto/topics.h"
+#include "replay/service/batch_server.h"
+#include "replay/service/ingest.h"
+#include "replay/table.h"
+
+namespace dadrl {
+
+class ReplayService {
+ public:
+  struct Options {
+    Config config;
+    std::filesystem::path run_directory;
+    uint32_t shard = 0;
+    uint64_t incarnation = 0;
+  };
+
+  // Recovers the shard's experience from <run_directory>/replay/shard-K, then joins the cluster. One line
+  // says what is wrong when it cannot: port taken, folder not writable, disk full, other schema.
+  static Result<std::unique_ptr<ReplayService>> Create(const Options& options, const Clock& clock);
+
+  // Serves until `stop`; then takes what has arrived, forces it to the device and writes its state. Call
+  // once.
+  Status Run(const std::atomic<bool>& stop);
+
+  const ReplayTable& table() const { return *table_; }
+
+ private:
+  ReplayService(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
+  Status Join();
+  void Keep(const std::atomic<bool>& stop);
+  void Beat();
+  void PublishStatus();
+
+  const Options options_;
+  const Clock& clock_;
+  TimePoint started_{};
+  std::unique_ptr<ReplayTable> table_;
+  std::unique_ptr<dds::Node> node_;  // outlives the endpoints below
+  std::unique_ptr<BatchServer> server_;
+  std::unique_ptr<Ingest> ingest_;
+  std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> heartbeat_;
+  std::unique_ptr<TelemetryPublisher> telemetry_;
+  uint64_t beats_ = 0;
+};
+
+// Resident memory of this process, bytes; 0 where /proc is not there.
+uint64_t ResidentBytes();
+
+}  // namespace dadrl

@@ -1,0 +1,70 @@
+#include "tests/replay/service/replay_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "common/config/config_yaml.h"
+
+namespace dadrl {
+
+ReplayProcess::ReplayProcess(std::filesystem::path run_directory, const Config& config)
+    : run_directory_(std::move(run_directory)) {
+  std::filesystem::create_directories(run_directory_);
+  std::ofstream(run_directory_ / "config.yaml") << ToYaml(config, false);
+}
+
+ReplayProcess::~ReplayProcess() { Kill(); }
+
+void ReplayProcess::Start(std::optional<uint64_t> file_limit) {
+  const std::string program = std::string(DADRL_BINARY_DIR) + "/bin/dadrl-replay";
+  const std::string config = (run_directory_ / "config.yaml").string();
+  const std::string log = (run_directory_ / "log").string();
+  pid_ = fork();
+  if (pid_ != 0) return;
+  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+  dup2(file, STDERR_FILENO);
+  if (file_limit) {
+    // Without the signal a write beyond the limit fails, as it does on a full disk.
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{*file_limit, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  execl(program.c_str(), program.c_str(), "--config", config.c_str(), "--run-dir", run_directory_.c_str(),
+        "--shard", "0", static_cast<char*>(nullptr));
+  _exit(127);
+}
+
+void ReplayProcess::SetFileLimit(uint64_t bytes) {
+  const rlimit limit{bytes, RLIM_INFINITY};
+  prlimit(pid_, RLIMIT_FSIZE, &limit, nullptr);
+}
+
+void ReplayProcess::Kill() {
+  if (pid_ == 0) return;
+  kill(pid_, SIGKILL);
+  WaitForExit();
+}
+
+int ReplayProcess::Terminate() {
+  kill(pid_, SIGTERM);
+  return WaitForExit();
+}
+
+int ReplayProcess::WaitForExit() {
+  int status = 0;
+  waitpid(pid_, &status, 0);
+  pid_ = 0;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string ReplayProcess::Log() const {
+  std::ifstream file(run_directory_ / "log");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace dadrl

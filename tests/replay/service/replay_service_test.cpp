@@ -1,0 +1,228 @@
+// The replay process with its neighbours over real DDS on loopback.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "proto/sample_batch.h"
+#include "tests/replay/service/peers.h"
+#include "tests/replay/service/replay_process.h"
+
+namespace dadrl {
+namespace {
+
+constexpr int kFrames = 4;  // of a chunk; two chunks an episode
+
+class ReplayServiceTest : public testing::Test {
+ protected:
+  ReplayServiceTest() {
+    config_.observation.vehicles = kTestSpec.vehicles;
+    config_.observation.history = kTestSpec.history;
+    config_.algorithm.n_step = 1;
+    config_.replay.min_size = 4;
+    config_.replay.samples_per_insert = 0.0;
+    config_.replay.max_times_sampled = 1;
+    config_.cluster.lease_s = 3.0;
+    config_.cluster.port = dds::FindFreePort().value();
+  }
+  // After the configuration is final.
+  void Launch(std::optional<uint64_t> file_limit = std::nullopt) {
+    replay_ = std::make_unique<ReplayProcess>(folder_.path() / "run", config_);
+    replay_->Start(file_limit);
+    actor_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 1).value();
+    learner_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
+    actor_ = std::make_unique<PeerActor>(*actor_node_, 1, 100);
+    learner_ = std::make_unique<PeerLearner>(*learner_node_, 200, 1);
+    ASSERT_TRUE(Eventually([&] { return actor_->connected(); })) << replay_->Log();
+    ASSERT_TRUE(learner_->WaitForReplay());
+  }
+  void AddChunks(int count) {
+    for (int i = 0; i < count; ++i) {
+      const bool second = actor_->produced() % 2 == 1;
+      actor_->Add({.episode = actor_->produced() / 2 + 1,
+                   .first_frame = second ? kFrames : 0u,
+                   .frames = kFrames,
+                   .end = static_cast<uint8_t>(second ? kTerminated : 0)});
+    }
+  }
+  // Draws all that is stored; how often each frame came, by its reward.
+  std::map<float, int> DrawAll() {
+    std::map<float, int> counts;
+    FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+    for (uint64_t left = actor_->stored() * kFrames; left > 0;) {
+      const auto size = static_cast<uint32_t>(std::min<uint64_t>(left, 100));
+      const auto reply = learner_->Fetch(size);
+      TransitionBatch batch(kTestSpec, static_cast<int>(size));
+      const Status decoded = DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, codec, batch);
+      EXPECT_TRUE(decoded) << decoded.error().message;
+      if (!decoded) break;
+      for (const float reward : batch.reward) ++counts[reward];
+      left -= size;
+    }
+    return counts;
+  }
+
+  TemporaryFolder folder_;
+  Config config_;
+  std::unique_ptr<ReplayProcess> replay_;
+  std::unique_ptr<dds::Node> actor_node_;
+  std::unique_ptr<dds::Node> learner_node_;
+  std::unique_ptr<PeerActor> actor_;
+  std::unique_ptr<PeerLearner> learner_;
+};
+
+TEST_F(ReplayServiceTest, StoresAcknowledgesAndServes) {
+  Launch();
+  AddChunks(50);
+  ASSERT_TRUE(actor_->PumpUntilStored(50)) << replay_->Log();
+  const auto reply = learner_->Fetch(32);
+  TransitionBatch batch(kTestSpec, 32);
+  FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+  ASSERT_TRUE(DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, codec, batch));
+  EXPECT_EQ(reply.frames_inserted, 50u * kFrames);
+  for (size_t i = 0; i < 32; ++i) EXPECT_EQ(batch.observation.ego[i * 20 + 1], batch.reward[i]);
+}
+
+TEST_F(ReplayServiceTest, EveryAcknowledgedFrameIsThereOnceAfterKillNine) {
+  Launch();
+  Random random(1);
+  for (int round = 0; round < 6; ++round) {
+    AddChunks(60);
+    // Killed in the middle of it, at another place each time.
+    const uint64_t target = actor_->stored() + 1 + random.Below(40);
+    ASSERT_TRUE(actor_->PumpUntilStored(target)) << replay_->Log();
+    replay_->Kill();
+    replay_->Start();
+  }
+  ASSERT_TRUE(actor_->PumpUntilStored(actor_->produced(), 60.0)) << replay_->Log();
+  replay_->Kill();
+  ASSERT_TRUE(learner_->WaitForNoReplay());
+  replay_->Start();
+  ASSERT_TRUE(learner_->WaitForReplay());
+  const auto counts = DrawAll();
+  EXPECT_EQ(counts.size(), actor_->produced() * kFrames);
+  for (const auto& [reward, count] : counts) EXPECT_EQ(count, 1) << reward;
+}
+
+TEST_F(ReplayServiceTest, ARequestWaitsInsideUntilThereIsEnough) {
+  Launch();
+  const uint64_t number = learner_->Ask(4);
+  ASSERT_TRUE(Eventually([&] { return learner_->RepliesTo(number).size() == 1; })) << replay_->Log();
+  EXPECT_TRUE(learner_->RepliesTo(number)[0].bytes.empty()) << "it is told that it waits";
+  learner_->Ask(4, number);
+  ASSERT_TRUE(Eventually([&] { return learner_->RepliesTo(number).size() == 2; }));
+  EXPECT_TRUE(learner_->RepliesTo(number)[1].bytes.empty());
+  AddChunks(10);
+  ASSERT_TRUE(actor_->PumpUntilStored(10));
+  ASSERT_TRUE(Eventually([&] { return learner_->RepliesTo(number).size() == 3; }));
+  EXPECT_FALSE(learner_->RepliesTo(number)[2].bytes.empty());
+}
+
+TEST_F(ReplayServiceTest, ActorsAreHeldBackUntilTheLearnerCatchesUp) {
+  config_.replay.min_size = 8;
+  config_.replay.max_times_sampled = 0;
+  config_.replay.min_samples_per_insert = 0.5;
+  config_.replay.samples_per_insert_band = 1.0;
+  Launch();
+  AddChunks(200);
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    return actor_->stored() >= 4 && actor_->granted() == actor_->stored();
+  })) << replay_->Log();
+  const uint64_t held_at = actor_->stored();
+  EXPECT_LT(held_at, 20u);
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(learner_->Fetch(4).bytes.empty());
+  EXPECT_TRUE(actor_->PumpUntilStored(held_at + 1)) << replay_->Log();
+}
+
+TEST_F(ReplayServiceTest, DuplicatesGarbageAndGapsChangeNothing) {
+  Launch();
+  AddChunks(4);
+  ASSERT_TRUE(actor_->PumpUntilStored(4));
+  std::vector<std::byte> garbage(5000, std::byte{0x5a});
+  std::vector<std::byte> nothing;
+  TestChunk repeated{.identity = {1, 100, 2}, .episode = 9, .frames = kFrames};
+  TestChunk far_ahead{.identity = {1, 100, 9}, .episode = 9, .frames = kFrames};
+  std::vector<std::byte> duplicate = Build(repeated);
+  std::vector<std::byte> gap = Build(far_ahead);
+  for (auto* bytes : {&garbage, &nothing, &duplicate, &gap}) ASSERT_TRUE(actor_->Send(*bytes, 1));
+  AddChunks(6);
+  ASSERT_TRUE(actor_->PumpUntilStored(10)) << replay_->Log();
+  const auto counts = DrawAll();
+  EXPECT_EQ(counts.size(), 40u);
+  for (const auto& [reward, count] : counts) EXPECT_LT(reward, 10600.0f);
+}
+
+TEST_F(ReplayServiceTest, SigtermDrainsAndTheNextRunGoesOnCounting) {
+  Launch();
+  AddChunks(20);
+  ASSERT_TRUE(actor_->PumpUntilStored(20));
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty());
+  EXPECT_EQ(replay_->Terminate(), 0) << replay_->Log();
+  replay_->Start();
+  ASSERT_TRUE(Eventually([&] { return actor_->connected(); }));
+  ASSERT_TRUE(learner_->WaitForReplay());
+  AddChunks(1);
+  ASSERT_TRUE(actor_->PumpUntilStored(21)) << replay_->Log();
+  EXPECT_EQ(learner_->Fetch(1).frames_inserted, 21u * kFrames);
+}
+
+TEST_F(ReplayServiceTest, AFullDiskStopsAcknowledgementsNotSamplesAndIsOverWhenThereIsRoom) {
+  Launch(/*file_limit=*/30000);
+  AddChunks(400);
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    return replay_->Log().find("actors keep their experience") != std::string::npos;
+  })) << replay_->Log();
+  const uint64_t stored = actor_->stored();
+  EXPECT_LT(stored, 400u);
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty());
+  replay_->SetFileLimit(RLIM_INFINITY);
+  ASSERT_TRUE(actor_->PumpUntilStored(400)) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), testing::HasSubstr("can be stored again"));
+}
+
+TEST_F(ReplayServiceTest, AReplayThatLostEverythingTakesActorsWhereTheyAre) {
+  Launch();
+  AddChunks(10);
+  ASSERT_TRUE(actor_->PumpUntilStored(10));
+  replay_->Kill();
+  std::filesystem::remove_all(folder_.path() / "run" / "replay");
+  replay_->Start();
+  AddChunks(10);
+  ASSERT_TRUE(actor_->PumpUntilStored(20)) << replay_->Log();
+  EXPECT_EQ(learner_->Fetch(1).frames_inserted, 10u * kFrames);
+}
+
+TEST_F(ReplayServiceTest, EveryWayNotToStartIsOneLineAndAnExitCode) {
+  Launch();
+  const auto fails = [&](const std::filesystem::path& run, const Config& config, int code, const char* says) {
+    ReplayProcess second(run, config);
+    second.Start();
+    EXPECT_EQ(second.WaitForExit(), code);
+    const std::string log = second.Log();
+    EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+    EXPECT_THAT(log, testing::HasSubstr(says));
+  };
+  fails(folder_.path() / "other", config_, 1, "port");
+  AddChunks(2);
+  ASSERT_TRUE(actor_->PumpUntilStored(2));
+  replay_->Kill();
+  Config other = config_;
+  other.observation.vehicles = 3;
+  std::filesystem::create_directories(folder_.path() / "alien");
+  std::filesystem::copy(folder_.path() / "run" / "replay", folder_.path() / "alien" / "replay",
+                        std::filesystem::copy_options::recursive);
+  fails(folder_.path() / "alien", other, 1, "schema");
+  std::filesystem::create_directories(folder_.path() / "blocked");
+  std::ofstream(folder_.path() / "blocked" / "replay") << "a file where a folder should be";
+  fails(folder_.path() / "blocked", config_, 1, "replay");
+  other = config_;
+  other.replay.sampler = SamplerKind::kNewestFirst;
+  other.replay.max_times_sampled = 0;
+  fails(folder_.path() / "unset", other, 2, "replay.max_times_sampled");
+}
+
+}  // namespace
+}  // namespace dadrl
