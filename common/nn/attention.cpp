@@ -60,7 +60,9 @@ Product Multiply(const float* weight, bool transposed, int units, LaneSpan input
 }  // namespace
 
 Attention Attention::Add(ParamLayout& layout, const std::string& prefix, int units, int vehicles) {
-  Attention attention{.units = units, .vehicles = vehicles};
+  Attention attention;
+  attention.units = units;
+  attention.vehicles = vehicles;
   attention.query = Linear::Add(layout, prefix + ".query", units, units);
   attention.key = Linear::Add(layout, prefix + ".key", units, units);
   attention.value = Linear::Add(layout, prefix + ".value", units, units);

@@ -115,7 +115,8 @@ void Sac::ActorPass(const TransitionBatch& batch, SacWorkspace& workspace) {
                 workspace.critic_scratch);
   }
   ActorOutputGradient(workspace, batch.size, alpha_, now_noise_);
-  MlpGradients wanted{.parameters = workspace.policy_gradient};
+  MlpGradients wanted;
+  wanted.parameters = workspace.policy_gradient;
   if (!shared()) {
     wanted.input = workspace.policy_feature_gradient;
     wanted.input_count = features;

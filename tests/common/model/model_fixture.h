@@ -86,7 +86,9 @@ class ModelOnEveryIsa : public nn::EveryIsa {
  protected:
   void SetUp() override {
     EveryIsa::SetUp();
-    if (!IsSkipped()) ASSERT_TRUE(nn::SetIsa(GetParam()));
+    if (!IsSkipped()) {
+      ASSERT_TRUE(nn::SetIsa(GetParam()));
+    }
   }
   void TearDown() override { nn::SetIsa(before_); }
 

@@ -116,7 +116,9 @@ TEST_P(LayersGolden, AttentionWithMaskedVehiclesAndNobody) {
   const std::vector<float> weights = ToRowVector(activations.weights, kBatch, kVehicles);
   ExpectAgrees(weights, Floats("attention/weights"), "weights");
   for (size_t i = 0; i < weights.size(); ++i) {
-    if (absent_rows[i] > 0.5f) EXPECT_EQ(weights[i], 0.0f) << "absent vehicle " << i;
+    if (absent_rows[i] > 0.5f) {
+      EXPECT_EQ(weights[i], 0.0f) << "absent vehicle " << i;
+    }
   }
 
   AttentionBackward(kernels(), attention, parameters.data(), gradients.data(), h, kBlocks, activations,

@@ -178,11 +178,12 @@ TEST_P(SacOnEverySharing, RefusesBatchesOfAnotherShape) {
   EXPECT_EQ(sac.Update(AnyBatch(other, 48, 1)).error().code, ErrorCode::kInvalidArgument);
 }
 
+std::string SharingName(const testing::TestParamInfo<EncoderSharing>& info) {
+  return info.param == EncoderSharing::kShared ? "Shared" : "Separate";
+}
+
 INSTANTIATE_TEST_SUITE_P(Encoders, SacOnEverySharing,
-                         testing::Values(EncoderSharing::kSeparate, EncoderSharing::kShared),
-                         [](const auto& info) {
-                           return info.param == EncoderSharing::kShared ? "Shared" : "Separate";
-                         });
+                         testing::Values(EncoderSharing::kSeparate, EncoderSharing::kShared), SharingName);
 
 TEST(SacTest, MoreThreadsThanBlocksWork) {
   Config config = SmallConfig(EncoderSharing::kSeparate, 4);
