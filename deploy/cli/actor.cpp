@@ -69,9 +69,8 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
     poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
     supervisor.Step();
     ReapAdopted(supervisor.RunningPids());
-    const int requests = signals.StopRequests();
-    if (requests > 1) supervisor.KillAll();
-    if (requests == 1 && !stopping) {
+    if (signals.KillRequested()) supervisor.KillAll();
+    if (signals.StopRequested() && !stopping) {
       stopping = true;
       supervisor.StopRole(kActorRole);
       fmt::print(stderr, "waiting for the actors to finish their step; once more Ctrl-C kills them\n");

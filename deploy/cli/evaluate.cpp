@@ -66,7 +66,7 @@ bool RunToEnd(EvaluationJob& job, SignalWatcher& signals) {
     std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
     job.AppendWaitFds(fds);
     poll(fds.data(), fds.size(), kTickMs);
-    if (signals.StopRequests() > 0) return false;
+    if (signals.StopRequested()) return false;
     if (terminal) fmt::print(stderr, "\r{} of {} episodes", job.finished_episodes(), job.planned_episodes());
   }
   if (terminal) fmt::print(stderr, "\r\x1b[K");

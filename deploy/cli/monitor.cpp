@@ -34,7 +34,7 @@ constexpr double kPatienceIntervals = 10.0;
 Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& signals, const Clock& clock) {
   const TimePoint start = clock.Now();
   const double interval_s = config.telemetry.interval_s;
-  while (signals.StopRequests() == 0) {
+  while (!signals.StopRequested()) {
     monitor.Poll(kTick);
     const double waited_s = ToSeconds(clock.Now() - start);
     if (monitor.ReportingProcesses() > 0 && waited_s >= kListenIntervals * interval_s) return {};
@@ -91,7 +91,7 @@ Result<int> RunMonitor(const MonitorOptions& options) {
     return 0;
   }
   ProgressDisplay display(stdout, clock);
-  while (signals->StopRequests() == 0 && IsRunning(paths)) {
+  while (!signals->StopRequested() && IsRunning(paths)) {
     monitor->Poll(kTick);
     if (!display.Due()) continue;
     Progress progress = MakeProgress(paths, config, *monitor);

@@ -8,6 +8,9 @@
 namespace dadrl {
 namespace {
 
+// Where cores are scarce the learner comes first: experience is plenty, updates are not.
+constexpr int kActorNice = 5;
+
 using Arguments = std::vector<std::string>;
 
 ProcessSpec Spec(const RunPaths& paths, std::string name, const char* role, Arguments arguments) {
@@ -36,6 +39,7 @@ Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first
     if (port != 0) arguments.insert(arguments.end(), {"--port", std::to_string(port)});
     ProcessSpec spec = Spec(paths, fmt::format("actor-{}", index), kActorRole, std::move(arguments));
     spec.expendable = true;
+    spec.nice = kActorNice;
     specs.push_back(std::move(spec));
   }
   return specs;

@@ -35,12 +35,22 @@ SignalWatcher::~SignalWatcher() {
   pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
 }
 
-int SignalWatcher::StopRequests() {
+void SignalWatcher::Read() {
   signalfd_siginfo info;
   while (read(fd_, &info, sizeof info) == sizeof info) {
-    if (info.ssi_signo != SIGCHLD) ++stop_requests_;
+    stop_requested_ = stop_requested_ || info.ssi_signo != SIGCHLD;
+    interrupts_ += info.ssi_signo == SIGINT ? 1 : 0;
   }
-  return stop_requests_;
+}
+
+bool SignalWatcher::StopRequested() {
+  Read();
+  return stop_requested_;
+}
+
+bool SignalWatcher::KillRequested() {
+  Read();
+  return interrupts_ > 1;
 }
 
 }  // namespace dadrl

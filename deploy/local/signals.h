@@ -18,13 +18,18 @@ class SignalWatcher {
   SignalWatcher& operator=(const SignalWatcher&) = delete;
 
   int fd() const { return fd_; }
-  // Reads what arrived; never blocks. How many requests to stop (SIGINT, SIGTERM, SIGHUP) came so far.
-  int StopRequests();
+  // Both read what arrived and never block.
+  // Somebody wants an end: SIGINT, SIGTERM or SIGHUP came.
+  bool StopRequested();
+  // A user wants it now: SIGINT came twice. (A closed terminal may send SIGHUP more than once.)
+  bool KillRequested();
 
  private:
   explicit SignalWatcher(int fd) : fd_(fd) {}
   int fd_;
-  int stop_requests_ = 0;
+  void Read();
+  bool stop_requested_ = false;
+  int interrupts_ = 0;
 };
 
 }  // namespace dadrl

@@ -31,8 +31,9 @@ Status Supervisor::Start(ProcessSpec spec, bool resumed) {
 }
 
 Status Supervisor::Launch(Entry& entry, bool restart) {
-  DADRL_ASSIGN_OR_RETURN(
-      entry.child, ChildProcess::Spawn({.command = entry.spec.command(restart), .log = entry.spec.log}));
+  DADRL_ASSIGN_OR_RETURN(entry.child, ChildProcess::Spawn({.command = entry.spec.command(restart),
+                                                           .log = entry.spec.log,
+                                                           .nice = entry.spec.nice}));
   entry.state = ProcessState::kRunning;
   entry.ready = entry.killed = false;
   entry.started = clock_.Now();

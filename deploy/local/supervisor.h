@@ -23,6 +23,7 @@ struct ProcessSpec {
   // The command line; `restart` is true from the second start on (and the first one of a resumed run).
   std::function<std::vector<std::string>(bool restart)> command;
   std::filesystem::path log;
+  int nice = 0;
   bool may_finish = false;  // exit code 0 is the end of its work, not a failure
   bool expendable = false;  // given up, it can be done without while another of its role lives
   Duration stop_grace = std::chrono::seconds(15);  // from SIGTERM to SIGKILL

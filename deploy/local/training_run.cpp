@@ -99,19 +99,20 @@ void TrainingRun::WaitForEvents() {
 }
 
 void TrainingRun::HandleStopRequests() {
-  const int requests = signals_.StopRequests();
-  if (requests == stop_requests_) return;
-  const bool insists = stop_requests_ > 0 || requests > 1;
-  stop_requests_ = requests;
-  if (insists) {
+  if (signals_.KillRequested()) {
     KillEverything();
-  } else if (phase_ == Phase::kTraining) {
+    return;
+  }
+  if (!signals_.StopRequested() || stop_handled_) return;
+  stop_handled_ = true;
+  if (phase_ == Phase::kTraining) {
     BeginDrain(RunOutcome::kInterrupted, "stopping; once more Ctrl-C kills without a checkpoint");
   } else if (phase_ == Phase::kFinalEvaluation) {
     display_.Message("the final evaluation is cut short");
     EndRun(RunOutcome::kInterrupted);
   } else {
-    outcome_ = RunOutcome::kInterrupted;  // draining already: leave the final evaluation out
+    // Draining already: only the final evaluation is left out.
+    if (outcome_ == RunOutcome::kFinished) outcome_ = RunOutcome::kInterrupted;
   }
 }
 
@@ -159,7 +160,8 @@ void TrainingRun::AdvanceTraining() {
   }
   AdvanceEvaluation();
   const bool due = config_.evaluation.interval_s > 0.0 && clock_.Now() >= next_evaluation_;
-  if (due && !evaluation_) {
+  std::error_code error;
+  if (due && !evaluation_ && std::filesystem::exists(paths_.policy(), error)) {
     next_evaluation_ = clock_.Now() + FromSeconds(config_.evaluation.interval_s);
     StartEvaluation(false);
   }

@@ -87,7 +87,7 @@ class TrainingRun {
   double trained_s_ = 0.0;  // of this session, fixed when draining begins
   TimePoint next_evaluation_{};
   TimePoint next_save_{};
-  int stop_requests_ = 0;
+  bool stop_handled_ = false;
 };
 
 }  // namespace dadrl

@@ -7,6 +7,8 @@ namespace {
 
 // Less waiting than this is not worth a sentence.
 constexpr double kNotable = 0.15;
+// A learner that computes so much of its time is what limits training.
+constexpr double kBusy = 0.9;
 
 struct Shares {
   double learner_work = 0.0;
@@ -112,6 +114,11 @@ std::string DescribeBottleneck(const ClusterSummary& summary, const Config& conf
   if (s.actor_weights >= kNotable) {
     return fmt::format("learner: the actors wait {} % of their time for a first policy",
                        Percent(s.actor_weights));
+  }
+  if (s.learner_work >= kBusy) {
+    return fmt::format(
+        "learner: it computes {} % of its time; faster or more cores (learner.threads) would help",
+        Percent(s.learner_work));
   }
   return fmt::format("none stands out: the learner computes {} % of its time", Percent(s.learner_work));
 }

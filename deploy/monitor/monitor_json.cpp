@@ -10,6 +10,8 @@ using Json = nlohmann::ordered_json;
 // Metrics come from other processes; JSON has no NaN.
 double Finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
+int64_t Whole(double value) { return std::llround(Finite(value)); }
+
 Json MeanMaxJson(const MeanMax& value) { return {{"mean", Finite(value.mean)}, {"max", Finite(value.max)}}; }
 
 Json ProcessJson(const ProcessRow& row) {
@@ -50,10 +52,10 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"inserted_mb_per_s", Finite(summary.inserted_mb_per_s)},
           {"sampled_mb_per_s", Finite(summary.sampled_mb_per_s)},
           {"updates_per_s", Finite(summary.updates_per_s)},
-          {"updates", Finite(summary.updates)},
-          {"weights_version", Finite(summary.weights_version)},
-          {"replay_frames", Finite(summary.replay_frames)},
-          {"replay_bytes", Finite(summary.replay_bytes)},
+          {"updates", Whole(summary.updates)},
+          {"weights_version", Whole(summary.weights_version)},
+          {"replay_frames", Whole(summary.replay_frames)},
+          {"replay_bytes", Whole(summary.replay_bytes)},
           {"staleness_versions", MeanMaxJson(summary.staleness_versions)},
           {"staleness_s", MeanMaxJson(summary.staleness_s)},
           {"waits", waits},

@@ -61,7 +61,9 @@ INSTANTIATE_TEST_SUITE_P(
              Row(kA, Activity::kWaitForReplay, 0.6), "learner: it computes 100 %"},
         Case{"SlowDisk", Row(kL, Activity::kWaitForBatch, 0.4), Row(kR, Activity::kWaitForDisk, 0.5),
              Row(kA, Activity::kWork, 0), "disk: the replay"},
-        Case{"Balanced", Row(kL, Activity::kWaitForBatch, 0.05), Row(kR, Activity::kWaitForCredits, 0.6),
+        Case{"BusyLearner", Row(kL, Activity::kWaitForBatch, 0.02), Row(kR, Activity::kWaitForCredits, 0.9),
+             Row(kA, Activity::kWork, 0), "learner: it computes 98 %"},
+        Case{"Balanced", Row(kL, Activity::kWaitForBatch, 0.12), Row(kR, Activity::kWaitForCredits, 0.6),
              Row(kA, Activity::kWaitForReplay, 0.05), "none stands out"}),
     [](const auto& info) { return info.param.name; });
 

@@ -1,0 +1,122 @@
+// A training as a user runs it, from the first frame to the results.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tests/integration/cluster_under_test.h"
+
+namespace dadrl {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<std::string> With(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::vector<std::string> LeftTurn(const std::vector<std::string>& more = {}) {
+  return With(With({"left_turn"}, SmallTraining()), more);
+}
+
+size_t LinesIn(const std::filesystem::path& file) {
+  const std::string text = FileText(file);
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(Training, EndsAfterItsUpdatesWithAnEvaluatedPolicy) {
+  const TemporaryFolder folder;
+  ClusterUnderTest cluster(folder.path() / "run", LeftTurn({"--set", "learner.max_updates=150"}));
+  ASSERT_EQ(cluster.WaitForEnd(240), 0) << cluster.Said();
+
+  const json results = json::parse(FileText(cluster.run() / "results.json"));
+  EXPECT_EQ(results["state"], "finished");
+  EXPECT_GE(results["updates"], 150);
+  EXPECT_GT(results["env_steps"], 0);
+  EXPECT_EQ(results["final"]["episodes"], 2);
+  EXPECT_GE(results["final"]["updates"], 150);
+  const double rates =
+      results["final"]["success"].get<double>() + results["final"]["collision"].get<double>() +
+      results["final"]["off_road"].get<double>() + results["final"]["stagnation"].get<double>();
+  EXPECT_NEAR(rates, 1.0, 1e-9);
+  for (const char* name : {"config.yaml", "checkpoints/latest", "logs/learner.log", "logs/replay-0.log",
+                           "logs/actor-0.log", "episodes.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(cluster.run() / name)) << name;
+  }
+  EXPECT_GT(LinesIn(cluster.run() / "episodes.csv"), 1u);
+  EXPECT_FALSE(std::filesystem::is_empty(cluster.run() / "tensorboard"));
+
+  // The policy file stands alone: another command evaluates it.
+  const CommandOutput evaluation = Dadrl({"evaluate", "--policy", cluster.run() / "checkpoints/latest",
+                                          "--episodes", "2", "--seeds", "1", "--json"});
+  ASSERT_EQ(evaluation.exit_code, 0) << evaluation.err;
+  const json report = json::parse(evaluation.out);
+  EXPECT_EQ(report["scenario"], "left_turn");
+  // The same policy and the same traffic seeds as the final evaluation.
+  EXPECT_EQ(report["mean_return"], results["final"]["mean_return"]);
+}
+
+TEST(Training, MonitorSeesEverythingFlow) {
+  const TemporaryFolder folder;
+  ClusterUnderTest cluster(folder.path() / "run", LeftTurn());
+  const auto flowing = cluster.MonitorUntil([](const json& monitor) {
+    return IsTraining(monitor) && MetricOf(monitor, "actor-0", "policy_version") > 0 &&
+           monitor["inserted_frames_per_s"] > 0.0;
+  });
+  ASSERT_TRUE(flowing) << cluster.Said();
+  EXPECT_GT((*flowing)["sampled_transitions_per_s"], 0.0);
+  EXPECT_GT((*flowing)["mb_per_s"], 0.0);
+  EXPECT_GT((*flowing)["weights_version"], 0.0);
+  EXPECT_GE((*flowing)["replay_frames"], 200.0);
+  EXPECT_GT((*flowing)["replay_bytes"], 0.0);
+  EXPECT_GE((*flowing)["staleness_versions"]["max"], (*flowing)["staleness_versions"]["mean"]);
+  EXPECT_FALSE((*flowing)["bottleneck"].get<std::string>().empty());
+  for (const json& wait : (*flowing)["waits"]) {
+    EXPECT_GT(wait["fraction"], 0.0);
+    EXPECT_LE(wait["fraction"], 1.0);
+  }
+
+  // The actors keep up with the learner's broadcasts.
+  const double version = MetricOf(*flowing, "actor-0", "policy_version");
+  EXPECT_TRUE(cluster.MonitorUntil([&](const json& monitor) {
+    return MetricOf(monitor, "actor-0", "policy_version") > version;
+  })) << cluster.Said();
+
+  // A second training cannot take the directory, with or without --resume.
+  for (const char* option : {"--resume", "--seed=1"}) {
+    const CommandOutput second = Dadrl({"train", "left_turn", option, "--run-dir", cluster.run()});
+    EXPECT_EQ(second.exit_code, 1);
+    EXPECT_THAT(second.err, HasSubstr("in use by another dadrl"));
+  }
+
+  cluster.launcher().Signal(SIGINT);
+  EXPECT_EQ(cluster.WaitForEnd(60), 0) << cluster.Said();
+  EXPECT_EQ(json::parse(FileText(cluster.run() / "results.json"))["state"], "interrupted");
+}
+
+TEST(Training, GoesOnFromWhereItWasInterrupted) {
+  const TemporaryFolder folder;
+  const auto run = folder.path() / "run";
+  double updates = 0;
+  {
+    ClusterUnderTest cluster(run, LeftTurn());
+    ASSERT_TRUE(cluster.MonitorUntil([](const json& monitor) { return monitor["updates"] > 30; }))
+        << cluster.Said();
+    cluster.launcher().Signal(SIGTERM);
+    ASSERT_EQ(cluster.WaitForEnd(60), 0) << cluster.Said();
+    updates = json::parse(FileText(run / "results.json"))["updates"];
+  }
+  const CommandOutput changed = Dadrl({"train", "--resume", "--run-dir", run, "--set", "model.hidden=64"});
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_THAT(changed.err, HasSubstr("--resume cannot change model.hidden from 32 to 64"));
+
+  const int goal = static_cast<int>(updates) + 50;
+  ClusterUnderTest cluster(run, {"--resume", "--set", "learner.max_updates=" + std::to_string(goal)});
+  ASSERT_EQ(cluster.WaitForEnd(180), 0) << cluster.Said();
+  const json results = json::parse(FileText(run / "results.json"));
+  EXPECT_EQ(results["state"], "finished");
+  EXPECT_EQ(results["final"]["updates"], goal);
+}
+
+}  // namespace
+}  // namespace dadrl
