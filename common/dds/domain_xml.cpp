@@ -55,7 +55,9 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
   const std::string participant =
       IsService(role) ? fmt::format("{}", PlaceOf(role, index, replay_shards)) : "none";
   // ExternalDomainId: the id on the wire; the id inside the process is free to differ, so that tests can hold
-  // several nodes. A short SPDP interval lets a restarted service be found within a second.
+  // several nodes. A short SPDP interval lets a restarted service be found within a second. Warnings reach
+  // the log through InstallLogSink; Cyclone's own trace file would appear in whatever folder we were started
+  // from.
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\">"
       "<General>{}</General>"
@@ -65,7 +67,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<MulticastMetaOffset>0</MulticastMetaOffset><MulticastDataOffset>1</MulticastDataOffset>"
       "<UnicastMetaOffset>10</UnicastMetaOffset><UnicastDataOffset>11</UnicastDataOffset></Ports></Discovery>"
       "<Internal>{}</Internal>"
-      "<Tracing><Verbosity>warning</Verbosity></Tracing>"
+      "<Tracing><Verbosity>warning</Verbosity><OutputFile>/dev/null</OutputFile></Tracing>"
       "</Domain></CycloneDDS>",
       GeneralXml(cluster, interface_address), static_cast<int>(plane), participant,
       PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s, cluster.port,

@@ -69,12 +69,25 @@ Status WriterBase::WriteSample(const void* sample) {
 }
 
 ReaderBase::~ReaderBase() {
+  // Cyclone's receive thread waits inside the delivery to a full reader, and deleting the reader waits for
+  // that thread: from here on whatever arrives is filtered away instead.
+  closing_ = true;
   for (const dds_entity_t entity : {waitset_, condition_, guard_, reader_, topic_}) Delete(entity);
 }
 
 Status ReaderBase::Open(const Node& node, const TopicSpec& topic) {
   const dds_entity_t participant = node.participant(topic.plane);
   DADRL_ASSIGN_OR_RETURN(topic_, CreateTopic(node, topic));
+  dds_topic_filter filter{};
+  filter.mode = DDS_TOPIC_FILTER_SAMPLEINFO_ARG;
+  filter.f.sampleinfo_arg = [](const dds_sample_info_t*, void* closing) {
+    return !static_cast<const std::atomic<bool>*>(closing)->load(std::memory_order_relaxed);
+  };
+  filter.arg = &closing_;
+  const dds_return_t filtered = dds_set_topic_filter_extended(topic_, &filter);
+  if (filtered != DDS_RETCODE_OK) {
+    return Fail(ErrorCode::kInternal, "cannot filter topic {}: {}", topic.name, dds_strretcode(filtered));
+  }
   const Qos qos = ReaderQos(topic, node.liveliness_s());
   const Listener listener = MismatchListener(topic.name);
   DADRL_ASSIGN_OR_RETURN(

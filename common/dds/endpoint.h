@@ -76,6 +76,7 @@ class ReaderBase {
   dds_entity_t condition_ = 0;
   dds_entity_t guard_ = 0;
   dds_entity_t waitset_ = 0;
+  std::atomic<bool> closing_{false};  // read by Cyclone's receive thread
 };
 
 template <typename Sample>

@@ -97,6 +97,27 @@ TEST_F(EndpointTest, AFullReaderLeavesTheOtherPlaneAlone) {
   }
 }
 
+// A reader that comes late, to a writer that has written before, is served on another path inside Cyclone
+// than one that was there from the start.
+TEST_F(EndpointTest, AFullReaderCanLeaveWhileItsWriterGoesOn) {
+  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+  std::atomic<bool> stop{false};
+  std::atomic<int> refused{0};
+  std::thread sender([&] {
+    std::vector<uint8_t> bytes(1000);
+    while (!stop) refused += writer->Write(MakeBlob(0, bytes)) ? 0 : 1;
+  });
+  for (int i = 0; i < 3; ++i) {
+    auto reader = BlobReader::Create(*replay_, kStream).value();
+    const int before = refused;
+    EXPECT_TRUE(Eventually([&] { return refused > before; }));
+    reader = nullptr;
+    EXPECT_TRUE(Eventually([&] { return writer->matched() == 0; }));
+  }
+  stop = true;
+  sender.join();
+}
+
 TEST_F(EndpointTest, PartitionsMatchOnlyTheirOwn) {
   TopicSpec zero = kStream;
   zero.partition = 0;

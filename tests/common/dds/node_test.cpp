@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 
 #include "common/dds/address.h"
@@ -112,6 +113,16 @@ TEST(Node, IsNotBrokenByCycloneddsUri) {
   const auto reader = BlobReader::Create(*replay, kStream).value();
   const auto writer = BlobWriter::Create(*actor, kStream).value();
   EXPECT_TRUE(Eventually([&] { return writer->matched() == 1; }));
+}
+
+TEST(Node, LeavesNoTraceFileBehind) {
+  const auto before = std::filesystem::current_path();
+  std::string folder = std::filesystem::temp_directory_path() / "node_test_XXXXXX";
+  std::filesystem::current_path(::mkdtemp(folder.data()));
+  MakeNode(LoopbackCluster(), Role::kReplay);
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Node, TakesASmallerReceiveBufferThanItAskedFor) {
