@@ -74,6 +74,7 @@ class ReplayPeer {
   // Lets this many chunks pass unseen, as if they had been lost.
   void LoseNext(int count) { lose_ = count; }
   uint64_t highest_seen() const { return highest_seen_; }
+  uint32_t newest_policy_version() const { return newest_policy_version_; }
   void SendAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
     EXPECT_TRUE(acknowledgements_->Write(ack));
   }
@@ -87,7 +88,11 @@ class ReplayPeer {
             {reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length});
         ASSERT_TRUE(view) << view.error().message;
         const ChunkIdentity& identity = view->header().identity;
+        if (identity.incarnation != incarnation_) NewIncarnation();
         highest_seen_ = std::max<uint64_t>(highest_seen_, identity.sequence);
+        for (int frame = 0; frame < view->frames(); ++frame) {
+          newest_policy_version_ = std::max<uint32_t>(newest_policy_version_, view->policy_version(frame));
+        }
         actor_ = identity.actor;
         incarnation_ = identity.incarnation;
         if (lose_ > 0) {
@@ -98,6 +103,13 @@ class ReplayPeer {
       });
       if (incarnation_ != 0 && acknowledging_) Acknowledge();
     }
+  }
+  // This peer knows one incarnation at a time.
+  void NewIncarnation() {
+    if (incarnation_ == 0) return;
+    MutexLock lock(disk_.mutex);
+    disk_.chunks.clear();
+    highest_seen_ = 0;
   }
   void Store(const ChunkView& view, uint64_t oldest_kept) {
     MutexLock lock(disk_.mutex);
@@ -125,6 +137,7 @@ class ReplayPeer {
   std::atomic<bool> acknowledging_{true};
   std::atomic<int> lose_{0};
   std::atomic<uint64_t> highest_seen_{0};
+  std::atomic<uint32_t> newest_policy_version_{0};
   uint32_t actor_ = 0;
   uint64_t incarnation_ = 0;
   std::unique_ptr<dds::Node> node_;
