@@ -21,8 +21,9 @@ constexpr double kChangeBegins = 0.5;
 constexpr double kChangeEnds = 0.15;
 // The wheel's angle beyond what the path's own curve needs, in a lane change (paper code: 5 degrees).
 constexpr double kChangeSteering = 5.0 * std::numbers::pi / 180.0;
-// Braking before a curve: m/s^2, and the lag with which the speed follows its target.
-constexpr double kCurveBraking = 4.0;
+// Braking before a curve, m/s^2: nearly all there is, as the paper's controller does; and the lag with which
+// the speed follows its target, s.
+constexpr double kCurveBraking = 7.0;
 constexpr double kSpeedLag = 0.25;
 
 // Pursuit distances: lane keeping has the bandwidth of the paper's controller, lane changes its duration.

@@ -11,14 +11,14 @@
 namespace dadrl {
 namespace {
 
-// Half the length over which a curve's radius is taken.
-constexpr double kCurveWindow = 3.0;  // whole metres
 // What the paper's controller allows (paper code): slower than 5.56 m/s in a tight turn, 6.94 m/s in a wide
 // one.
 constexpr double kTightRadius = 8.0;
 constexpr double kTightSpeed = 5.56;
 constexpr double kWideRadius = 15.0;
 constexpr double kWideSpeed = 6.94;
+// A radius is taken over twice this length, in whole metres, and over the whole of a junction's lane.
+constexpr int kCurveWindow = 3;
 // Paths are told apart up to this many metres ahead, by this much.
 constexpr size_t kForkLookahead = 24;
 constexpr double kForkOffset = 0.5;
@@ -85,27 +85,27 @@ int UncoveredLane(const RoadMap& map, const std::vector<std::vector<int>>& seque
   return -1;
 }
 
-double SpeedCap(const Polyline& line, double s) {
-  const double low = std::max(0.0, s - kCurveWindow);
-  const double high = std::min(line.length(), s + kCurveWindow);
+// Lowers the caps from metre `low` to metre `high` to what the turn between them allows.
+void CapTurn(const Polyline& line, int low, int high, std::vector<double>& caps) {
   const double turn = std::abs(WrapAngle(line.HeadingAt(high) - line.HeadingAt(low)));
-  const double radius = turn > 0.0 ? (high - low) / turn : kNoCap;
-  if (radius < kTightRadius) return kTightSpeed;
-  if (radius < kWideRadius) return kWideSpeed;
-  return kNoCap;
+  if (turn * kWideRadius <= high - low) return;
+  const double cap = turn * kTightRadius > high - low ? kTightSpeed : kWideSpeed;
+  for (int i = low; i <= high; ++i) {
+    caps[static_cast<size_t>(i)] = std::min(caps[static_cast<size_t>(i)], cap);
+  }
 }
 
-// A radius taken over a window tells where the curve is only to within it: the cap holds for the whole
-// window.
-std::vector<double> SpeedCaps(const Polyline& line) {
-  const auto metres = static_cast<int>(line.length()) + 1;
-  const auto window = static_cast<int>(kCurveWindow);
-  std::vector<double> caps(static_cast<size_t>(metres), kNoCap);
-  for (int s = 0; s < metres; ++s) {
-    const double cap = SpeedCap(line, s);
-    for (int i = std::max(0, s - window); i <= std::min(metres - 1, s + window); ++i) {
-      caps[static_cast<size_t>(i)] = std::min(caps[static_cast<size_t>(i)], cap);
-    }
+std::vector<double> SpeedCaps(const RoadMap& map, const std::vector<int>& lanes, const Polyline& line) {
+  const auto last = static_cast<int>(line.length());
+  std::vector<double> caps(static_cast<size_t>(last) + 1, kNoCap);
+  for (int s = 0; s <= last; ++s) {
+    CapTurn(line, std::max(0, s - kCurveWindow), std::min(last, s + kCurveWindow), caps);
+  }
+  for (const int lane : lanes) {
+    if (!LaneAt(map, lane).internal) continue;
+    const std::vector<Point>& centre = LaneAt(map, lane).centre.points();
+    CapTurn(line, static_cast<int>(line.Project(centre.front()).s),
+            std::min(last, static_cast<int>(std::ceil(line.Project(centre.back()).s))), caps);
   }
   return caps;
 }
@@ -117,7 +117,7 @@ Path MakePath(const RoadMap& map, std::vector<int> lanes) {
     points.insert(points.end(), centre.begin(), centre.end());
   }
   Path path{std::move(lanes), SmoothLine(Polyline(points)), {}, {}};
-  path.speed_caps = SpeedCaps(path.centre);
+  path.speed_caps = SpeedCaps(map, path.lanes, path.centre);
   return path;
 }
 

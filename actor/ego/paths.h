@@ -13,7 +13,7 @@ namespace dadrl {
 struct Path {
   std::vector<int> lanes;  // in driving order, internal ones included
   Polyline centre;
-  // What the curves allow, m/s: element i for the metre from i on; infinite where the road does not bend.
+  // What the curve allows at each metre, m/s; infinite where there is none.
   std::vector<double> speed_caps;
   // sides[p][i]: how far this path is to the left of path p, in metres, where the two first part on the 24 m
   // from metre i of this path on; 0 where they do not.

@@ -64,6 +64,10 @@ std::string SocialId(int vehicle) { return fmt::format("v{}", vehicle); }
 std::string FlowId(int flow) { return fmt::format("f{}", flow); }
 std::string TypeId(int type) { return fmt::format("t{}", type); }
 
+std::string ArrivalPosition(const TrafficFlow& flow) {
+  return flow.arrival == FlowPosition::kRandom ? "random" : "max";
+}
+
 int SocialIndex(const std::string& id) {
   int index = -1;
   if (id.size() < 2 || id[0] != 'v') return -1;
@@ -109,8 +113,7 @@ std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,
                    R"(departSpeed="max" arrivalLane="{}" arrivalPos="{}"/>)"
                    "\n",
                    SocialId(vehicle), TypeId(vehicle % scenario.driver_types), FlowId(flow_index),
-                   flow.depart_lane, depart, flow.arrival_lane,
-                   flow.arrival == FlowPosition::kRandom ? "random" : "max");
+                   flow.depart_lane, depart, flow.arrival_lane, ArrivalPosition(flow));
   }
   return xml + "</routes>\n";
 }
