@@ -61,6 +61,8 @@ function(dadrl_test NAME)
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_definitions(${NAME} PRIVATE DADRL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              DADRL_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  # Processes that a test starts inherit it.
+  set(LEAKS "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan_suppressions.txt:print_suppressions=0")
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+                       PROPERTIES ENVIRONMENT "${LEAKS}" TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
