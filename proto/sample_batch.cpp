@@ -156,7 +156,7 @@ Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, doub
     }
     const auto first = payloads.GetBytes(item.first_bytes);
     const auto next = payloads.GetBytes(item.next_bytes);
-    if (!payloads.ok() || !std::isfinite(sum) || first.empty()) {
+    if (!payloads.ok() || !std::isfinite(static_cast<float>(sum)) || first.empty()) {
       return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} does not fit into it", item.key);
     }
     DADRL_RETURN_IF_ERROR(DecodeRow(first, codec, i, batch.observation));

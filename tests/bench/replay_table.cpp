@@ -1,0 +1,287 @@
+// The replay table without a network, one thread: draws, priorities, the frame codec, inserts, batches,
+// recovery.
+//
+// Prints JSON lines. Each figure stands beside what bounds it, measured in this run on the same data: bare
+// random access for the draws, zstd for the codec, a plain copy for inserts and batches, a checksum of the
+// same files for recovery. of_limit is above 1 where we beat a peer.
+#include <fmt/core.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/io/checksum.h"
+#include "common/io/read_file.h"
+#include "proto/codec/half.h"
+#include "replay/service/replay_service.h"
+#include "replay/table.h"
+#include "tests/proto/synthetic_experience.h"
+
+namespace dadrl::bench {
+namespace {
+
+constexpr uint32_t kItems = 1000000;
+const ObservationSpec kSpec;
+volatile uint64_t sink;
+
+double Seconds(const std::function<void()>& work) {
+  const SystemClock clock;
+  const TimePoint begin = clock.Now();
+  work();
+  return ToSeconds(clock.Now() - begin);
+}
+
+// Processor time, the best of a few runs: nothing here waits, so other processes must not count.
+double BestSeconds(const std::function<void()>& work) {
+  const auto now = [] {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+  };
+  double best = std::numeric_limits<double>::max();
+  for (int i = 0; i < 5; ++i) {
+    const double begin = now();
+    work();
+    best = std::min(best, now() - begin);
+  }
+  return best;
+}
+
+// Larger is better.
+void PrintRate(const std::string& name, double value, const char* unit, double limit) {
+  fmt::print(R"({{"bench": "replay_table", "case": "{}", "value": {:.4g}, "unit": "{}", "limit": {:.4g}, )"
+             R"("of_limit": {:.3f}}})"
+             "\n",
+             name, value, unit, limit, value / limit);
+}
+
+// Smaller is better.
+void PrintCost(const std::string& name, double value, const char* unit, double limit) {
+  fmt::print(R"({{"bench": "replay_table", "case": "{}", "value": {:.4g}, "unit": "{}", "limit": {:.4g}, )"
+             R"("of_limit": {:.3f}}})"
+             "\n",
+             name, value, unit, limit, limit / value);
+}
+
+void Draws() {
+  constexpr int kDraws = 3000000;
+  Random random(1);
+  std::vector<uint32_t> memory(kItems, 1);
+  const double bare_read = BestSeconds([&] {
+    uint64_t sum = 0;
+    for (int i = 0; i < kDraws; ++i) sum += memory[random.Below(kItems)];
+    sink = sum;
+  });
+  const auto uniform = MakeSelector(SamplerKind::kUniform, 0.0);
+  for (uint32_t slot = 0; slot < kItems; ++slot) uniform->Insert(slot, 1.0);
+  const double drawn = BestSeconds([&] {
+    uint64_t sum = 0;
+    for (int i = 0; i < kDraws; ++i) sum += uniform->Sample(random).slot;
+    sink = sum;
+  });
+  PrintRate("uniform draws, 1M items", kDraws / drawn, "draws/s", kDraws / bare_read);
+
+  constexpr int kUpdates = 500000;
+  std::vector<double> weights(kItems, 1.0);
+  const double bare_update = BestSeconds([&] {
+    for (int i = 0; i < kUpdates; ++i) weights[random.Below(kItems)] = random.Uniform();
+  });
+  const auto prioritized = MakeSelector(SamplerKind::kPrioritized, 0.6);
+  for (uint32_t slot = 0; slot < kItems; ++slot) prioritized->Insert(slot, random.Uniform());
+  const double updated = BestSeconds([&] {
+    for (int i = 0; i < kUpdates; ++i) {
+      prioritized->Update(prioritized->Sample(random).slot, random.Uniform());
+    }
+  });
+  PrintRate("prioritised draw and update, 1M items", kUpdates / updated, "pairs/s", kUpdates / bare_update);
+}
+
+// A frame without our coding: halves and bits, as they are.
+std::vector<std::byte> Plain(const Observation& observation) {
+  std::vector<std::byte> bytes;
+  ByteWriter writer(bytes);
+  for (const auto* values : {&observation.vehicles, &observation.ego}) {
+    for (const float value : *values) writer.Put(HalfFromFloat(value));
+  }
+  writer.PutBytes(std::as_bytes(std::span(observation.context)));
+  return bytes;
+}
+
+double MeanSize(const std::vector<std::vector<std::byte>>& frames) {
+  size_t bytes = 0;
+  for (const auto& frame : frames) bytes += frame.size();
+  return static_cast<double>(bytes) / static_cast<double>(frames.size());
+}
+
+void Codec() {
+  constexpr size_t kFrames = 2000;
+  Random random(1);
+  std::vector<Observation> observations;
+  for (size_t i = 0; i < kFrames; ++i) observations.push_back(SyntheticObservation(kSpec, random));
+  std::vector<std::vector<std::byte>> plain;
+  for (const Observation& observation : observations) plain.push_back(Plain(observation));
+
+  std::vector<std::vector<std::byte>> packed(kFrames);
+  const double zstd_encode = BestSeconds([&] {
+    for (size_t i = 0; i < kFrames; ++i) {
+      packed[i].resize(ZSTD_compressBound(plain[i].size()));
+      packed[i].resize(
+          ZSTD_compress(packed[i].data(), packed[i].size(), plain[i].data(), plain[i].size(), 1));
+    }
+  });
+  const double zstd_decode = BestSeconds([&] {
+    for (size_t i = 0; i < kFrames; ++i) {
+      ZSTD_decompress(plain[i].data(), plain[i].size(), packed[i].data(), packed[i].size());
+    }
+  });
+  FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  std::vector<std::vector<std::byte>> coded(kFrames);
+  const double encode = BestSeconds([&] {
+    for (size_t i = 0; i < kFrames; ++i) {
+      coded[i].clear();
+      codec.Encode(observations[i], coded[i]);
+    }
+  });
+  Observation decoded(kSpec);
+  const double decode = BestSeconds([&] {
+    for (const auto& payload : coded) {
+      if (!codec.Decode(payload, decoded.vehicles, decoded.ego, decoded.context)) std::abort();
+    }
+  });
+  PrintCost("frame payload, synthetic junction", MeanSize(coded), "B", MeanSize(packed));
+  PrintCost("encode a frame", encode / kFrames * 1e6, "us", zstd_encode / kFrames * 1e6);
+  PrintCost("decode a frame", decode / kFrames * 1e6, "us", zstd_decode / kFrames * 1e6);
+}
+
+// One million frames: a few chunks, again and again as episodes of their own.
+class Stream {
+ public:
+  Stream() {
+    for (uint64_t i = 0; i < kDistinct; ++i) {
+      chunks_.push_back(
+          MakeSyntheticChunk(kSpec, {.identity = {1, 1, 1}, .frames = 64, .end = kTerminated}, i));
+    }
+  }
+  // Valid until the next call.
+  std::span<const std::byte> Next() {
+    std::vector<std::byte>& chunk = chunks_[sequence_++ % kDistinct];
+    constexpr size_t kSequenceAt = 32;
+    constexpr size_t kEpisodeAt = 40;
+    std::memcpy(&chunk[kSequenceAt], &sequence_, 8);
+    std::memcpy(&chunk[kEpisodeAt], &sequence_, 8);
+    const uint64_t checksum = Xxh3(std::span(chunk).first(chunk.size() - 8));
+    std::memcpy(&chunk[chunk.size() - 8], &checksum, 8);
+    return chunk;
+  }
+
+ private:
+  static constexpr uint64_t kDistinct = 32;
+  std::vector<std::vector<std::byte>> chunks_;
+  uint64_t sequence_ = 0;
+};
+
+TableOptions Options(const std::filesystem::path& directory) {
+  TableOptions options{.directory = directory,
+                       .schema = SchemaHash(kSpec),
+                       .replay = {},
+                       .n_step = 3,
+                       .seed = 1,
+                       .verify = nullptr};
+  options.replay.min_size = 1;
+  options.replay.samples_per_insert = 0.0;
+  options.replay.sync = SyncMode::kNone;
+  return options;
+}
+
+bool Table(const std::filesystem::path& directory) {
+  constexpr uint64_t kChunks = kItems / 64;
+  const SystemClock clock;
+  Stream stream;
+  uint64_t bytes = 0;
+  std::vector<std::byte> copy(kMaxChunkBytes);
+  const double bare_copy = Seconds([&] {
+    for (uint64_t i = 0; i < kChunks; ++i) {
+      const auto chunk = stream.Next();
+      std::memcpy(copy.data(), chunk.data(), chunk.size());
+      bytes += chunk.size();
+    }
+  });
+  const uint64_t resident_before = ResidentBytes();
+  Stream again;
+  {
+    auto table = ReplayTable::Open(Options(directory), clock);
+    if (!table) {
+      fmt::print(stderr, "error: {}\n", table.error().message);
+      return false;
+    }
+    const double inserted = Seconds([&] {
+      for (uint64_t i = 0; i < kChunks; ++i) {
+        if ((*table)->Insert(again.Next(), i + 1) != ReplayTable::Insertion::kStored) std::abort();
+      }
+    });
+    PrintRate("insert with the log, no sync", kChunks * 64 / inserted, "frames/s", kChunks * 64 / bare_copy);
+    const ReplayTable::Stats stats = (*table)->stats();
+    const auto frames = static_cast<double>(stats.frames_held);
+    PrintCost("all told a frame, on disk", static_cast<double>(stats.disk_bytes) / frames, "B", 1500.0);
+    PrintCost("index a frame, in memory", static_cast<double>(stats.index_bytes) / frames, "B",
+              static_cast<double>(stats.disk_bytes) / frames);
+    constexpr int kBatches = 2000;
+    uint64_t batch_bytes = 0;
+    const double sampled = Seconds([&] {
+      for (int i = 0; i < kBatches; ++i) {
+        const auto batch = (*table)->Sample(256, 3, 0);
+        if (!batch) std::abort();
+        batch_bytes += EncodeSampleBatch(batch->items, 1).size();
+      }
+    });
+    const double copied = Seconds([&] {
+      for (uint64_t left = batch_bytes; left > 0;) {
+        const uint64_t size = std::min<uint64_t>(left, copy.size() / 2);
+        std::memcpy(copy.data(), copy.data() + copy.size() / 2, size);
+        left -= size;
+      }
+      sink = static_cast<uint64_t>(copy[17]);
+    });
+    PrintRate("sample and serialise, batch 256, 3 steps", kBatches * 256 / sampled, "transitions/s",
+              kBatches * 256 / copied);
+    const uint64_t resident = ResidentBytes();
+    PrintCost("resident with 1M frames",
+              static_cast<double>(resident - std::min(resident, resident_before)) / 1e6, "MB",
+              static_cast<double>(stats.disk_bytes) / 1e6);
+  }
+  const double hashed = Seconds([&] {
+    uint64_t sum = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+      if (const auto content = ReadFile(entry.path(), 1 << 30)) sum += Xxh3(*content);
+    }
+    sink = sum;
+  });
+  uint64_t recovered_frames = 0;
+  const double recovered = Seconds([&] {
+    const auto table = ReplayTable::Open(Options(directory), clock);
+    if (table) recovered_frames = (*table)->stats().frames_held;
+  });
+  if (recovered_frames != kChunks * 64) return false;
+  PrintCost("recover 1M frames", recovered, "s", hashed);
+  return true;
+}
+
+}  // namespace
+}  // namespace dadrl::bench
+
+int main() {
+  dadrl::bench::Draws();
+  dadrl::bench::Codec();
+  const auto directory = std::filesystem::temp_directory_path() / fmt::format("dadrl-bench-{}", getpid());
+  const bool done = dadrl::bench::Table(directory);
+  std::filesystem::remove_all(directory);
+  return done ? 0 : 1;
+}

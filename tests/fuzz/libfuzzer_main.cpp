@@ -1,0 +1,10 @@
+// libFuzzer's entry; DADRL_FUZZ=ON builds it. Seeds: run the mutation test with DADRL_SEED_DIR=<folder>.
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/fuzz/decoders.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  dadrl::CheckDecoder({data, size});
+  return 0;
+}
