@@ -38,11 +38,14 @@ template <typename... Args>
 // Process exit code of an error: 2 for wrong usage, 1 for everything else (design, section 3).
 inline int ExitCode(const Error& error) { return error.code == ErrorCode::kInvalidArgument ? 2 : 1; }
 
-// Returns the error of `expression` (a Status) from the enclosing function.
-#define DADRL_RETURN_IF_ERROR(expression)                                                      \
-  do {                                                                                         \
-    auto dadrl_status = (expression);                                                          \
-    if (!dadrl_status) return tl::unexpected<::dadrl::Error>(std::move(dadrl_status.error())); \
+// Returns the error of `expression` (a Status) from the enclosing function. The expression may hold a lambda
+// that uses the macro itself.
+#define DADRL_RETURN_IF_ERROR(expression) \
+  DADRL_RETURN_IF_ERROR_IMPL(DADRL_CONCAT(dadrl_status_, __COUNTER__), expression)
+#define DADRL_RETURN_IF_ERROR_IMPL(status, expression)                             \
+  do {                                                                             \
+    auto status = (expression);                                                    \
+    if (!status) return tl::unexpected<::dadrl::Error>(std::move(status.error())); \
   } while (false)
 
 #define DADRL_CONCAT_INNER(a, b) a##b
