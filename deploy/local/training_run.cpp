@@ -72,6 +72,9 @@ Result<RunOutcome> TrainingRun::Run() {
   next_evaluation_ = started_ + FromSeconds(config_.evaluation.interval_s);
   next_save_ = started_;
   DADRL_RETURN_IF_ERROR(StartCluster());
+  display_.Message(fmt::format("{} run {}: {} replay, 1 learner, {} actors; Ctrl-C stops with a checkpoint",
+                               resume_ ? "resumed" : "new", paths_.root.string(), config_.replay.shards,
+                               config_.actor.count));
   while (phase_ != Phase::kDone) {
     WaitForEvents();
     if (monitor_) monitor_->Poll(Duration::zero());
@@ -288,6 +291,7 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
     default:
       break;
   }
+  if (!monitor_) return evaluation_ ? "running and evaluating" : "running";
   if (summary.updates_per_s > 0.0) return evaluation_ ? "training and evaluating" : "training";
   const auto needed = static_cast<double>(config_.replay.min_size);
   if (summary.replay_frames < needed) {

@@ -88,10 +88,12 @@ std::string RenderLine(const Progress& progress) {
 }
 
 std::vector<std::string> RenderProcesses(const ClusterSummary& summary, size_t width) {
+  size_t name_width = 0;
+  for (const ProcessRow& row : summary.processes) name_width = std::max(name_width, row.name.size());
   std::vector<std::string> lines;
   for (const ProcessRow& row : summary.processes) {
     std::string line =
-        fmt::format("  {:<10} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, row.pid,
+        fmt::format("  {:<{}} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, name_width, row.pid,
                     FormatTime(row.uptime_s), row.steps_per_s, 100.0 * row.Share(Activity::kWork));
     for (const Wait& wait : summary.waits) {
       if (wait.who == row.name)
