@@ -12,8 +12,11 @@ LaneObservations::LaneObservations(nn::Arena& arena, const ObservationSpec& obse
   const auto count = static_cast<size_t>(blocks);
   ego = arena.Allocate(count * static_cast<size_t>(EgoBlock(spec)));
   sequences = arena.Allocate(count * static_cast<size_t>((1 + spec.vehicles) * SequenceFloats(spec)));
-  ego_now = {ego + ptrdiff_t{spec.history - 1} * ObservationSpec::kEgoFeatures * kLanes, EgoBlock(spec)};
   absent = nn::Contiguous(arena.Allocate(count * static_cast<size_t>(spec.vehicles) * kLanes), spec.vehicles);
+}
+
+nn::LaneSpan LaneObservations::ego_now() const {
+  return nn::LaneSpan{ego, EgoBlock(spec)}.From((spec.history - 1) * ObservationSpec::kEgoFeatures);
 }
 
 void LaneObservations::Pack(const nn::LaneKernels& kernels, const ObservationBatch& batch,

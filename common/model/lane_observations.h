@@ -20,12 +20,14 @@ struct LaneObservations {
   void Pack(const nn::LaneKernels& kernels, const ObservationBatch& batch, const uint8_t* context,
             int first_block);
 
+  // [blocks][20][16], the newest row of `ego`.
+  nn::LaneSpan ego_now() const;
+
   ObservationSpec spec;
   int blocks = 0;
   float* ego = nullptr;  // [blocks][history][20][16]
   float* sequences =
       nullptr;  // [blocks][1 + vehicles][history][7][16]: the ego's first seven features, then vehicles
-  nn::LaneSpan ego_now;                     // [blocks][20][16], the newest row of `ego`
   nn::LaneSpan absent;                      // [blocks][vehicles][16], 1 where the newest row is absent
   const uint8_t* context_planes = nullptr;  // [16 blocks, 4096] bytes
 };

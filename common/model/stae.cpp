@@ -55,7 +55,7 @@ void StaeForward(const nn::LaneKernels& kernels, const Stae& stae, const float* 
   for (int b = 0; b < blocks; ++b) {
     kernels.layer_norm_forward(sum.block(b), Stae::kUnits, sum.block(b),
                                activations.inverse_deviation + b * kLanes);
-    std::memcpy(activations.joined.block(b), observations.ego_now.block(b), kEgo * kLanes * sizeof(float));
+    std::memcpy(activations.joined.block(b), observations.ego_now().block(b), kEgo * kLanes * sizeof(float));
   }
   nn::LinearForward(kernels, stae.output, parameters, activations.joined, features, blocks, true);
 }
