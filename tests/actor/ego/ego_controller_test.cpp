@@ -199,7 +199,9 @@ TEST(EgoController, PolygonsOfTheRoadDoNotShakeTheEgo) {
   Drive drive(map, {"a_0"}, 10.0);
   for (int step = 0; step < 200; ++step) {
     drive.Step(10.0, 0);
-    if (step >= 20) EXPECT_LT(std::hypot(drive.ego().jerk_lon, drive.ego().jerk_lat), 1.0) << step;
+    if (step >= 20) {
+      EXPECT_LT(std::hypot(drive.ego().jerk_lon, drive.ego().jerk_lat), 1.0) << step;
+    }
   }
   EXPECT_NEAR(drive.ego().acceleration_lat, 100.0 / 48.9, 0.15);
 }

@@ -60,7 +60,9 @@ TEST(EgoVehicle, NeitherOvershootsNorChatters) {
         const EgoState& state = vehicle.state();
         EXPECT_GE(state.speed_mps, std::min(start, target) - 1e-9);
         EXPECT_LE(state.speed_mps, std::max(start, target) + 1e-9);
-        if (step >= 35) EXPECT_LT(std::hypot(state.jerk_lon, state.jerk_lat), 1.0) << target << " " << step;
+        if (step >= 35) {
+          EXPECT_LT(std::hypot(state.jerk_lon, state.jerk_lat), 1.0) << target << " " << step;
+        }
       }
       EXPECT_NEAR(vehicle.state().speed_mps, target, 1e-3);
     }

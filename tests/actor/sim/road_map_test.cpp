@@ -71,7 +71,9 @@ TEST(RoadMap, GridAgreesWithAllLanes) {
     for (const Lane& lane : lanes) nearest = std::min(nearest, lane.centre.Project(point).distance);
     const auto found = map.NearestLane(point, 0.0, 10.0);
     ASSERT_EQ(found.has_value(), nearest <= 10.0);
-    if (found) EXPECT_NEAR(found->distance, nearest, 0.011);
+    if (found) {
+      EXPECT_NEAR(found->distance, nearest, 0.011);
+    }
     EXPECT_EQ(map.OffRoad(point), nearest > 1.7);
   }
 }
