@@ -63,6 +63,8 @@ function(dadrl_test NAME)
                                              DADRL_BINARY_DIR="${CMAKE_BINARY_DIR}")
   # Processes that a test starts inherit it.
   set(LEAKS "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan_suppressions.txt:print_suppressions=0")
+  set(RACES "TSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/tsan_suppressions.txt")
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES ENVIRONMENT "${LEAKS}" TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+                       PROPERTIES ENVIRONMENT "${LEAKS}" ENVIRONMENT_MODIFICATION "${RACES}"
+                                  TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()

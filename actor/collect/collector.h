@@ -35,7 +35,7 @@ struct CollectorProgress {
 // A finished episode.
 struct CollectedEpisode {
   uint64_t episode = 0;
-  EpisodeSummary summary;
+  EpisodeSummary summary{};
   uint32_t policy_version = 0;  // in use when it ended
 };
 
