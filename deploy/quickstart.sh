@@ -30,9 +30,8 @@ while [ $# -gt 0 ]; do
     *) echo "error: unknown option '$1'" >&2; usage >&2; exit 2 ;;
   esac
 done
-case $minutes in
-  '' | *[!0-9.]* | *.*.*) echo "error: --minutes $minutes is not a number" >&2; exit 2 ;;
-esac
+[[ $minutes =~ ^[0-9]+(\.[0-9]+)?$ ]] || { echo "error: --minutes $minutes is not a number" >&2; exit 2; }
+[[ $episodes =~ ^[1-9][0-9]*$ ]] || { echo "error: --episodes $episodes is not a whole number" >&2; exit 2; }
 
 step() { printf '\n== %s\n' "$*"; }
 
@@ -46,8 +45,10 @@ dadrl=build/release/bin/dadrl
 
 step "3 of 4: training left_turn for $minutes minutes into $run_dir"
 policy=$run_dir/checkpoints/latest
-# The launcher writes the state with every result; "finished" is written last.
-if grep -qs '"state": "finished"' "$run_dir/results.json" && [ -e "$policy" ]; then
+results=$run_dir/results.json
+finished() { grep -qs '"state": "finished"' "$results" && [ -e "$policy" ]; }
+trained_s=$(sed -n 's/^ *"training_s": \([0-9.]*\).*/\1/p' "$results" 2>/dev/null || true)
+if finished && awk "BEGIN { exit !(${trained_s:-0} >= 57 * $minutes) }"; then
   echo "done before; for another training: --run-dir DIR, or remove $run_dir"
 elif [ -e "$run_dir/config.yaml" ]; then
   echo "going on with the run in $run_dir"
@@ -55,12 +56,16 @@ elif [ -e "$run_dir/config.yaml" ]; then
 else
   "$dadrl" train left_turn --minutes "$minutes" --run-dir "$run_dir" "${train_options[@]}"
 fi
+finished || {
+  echo "stopped before the end; the same command goes on from there" >&2
+  exit 1
+}
 
 step "4 of 4: evaluation on $episodes unseen episodes each: the policy, the paper's rule-based driver, chance"
 groups=1
 per_group=$episodes
-if [ "$episodes" -gt 50 ]; then
-  groups=$(((episodes + 49) / 50))
+if [ $((episodes % 50)) -eq 0 ]; then
+  groups=$((episodes / 50))
   per_group=50
 fi
 for driver in "$policy" rdm random; do

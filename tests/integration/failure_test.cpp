@@ -113,7 +113,8 @@ TEST_F(FailureTest, SecondInterruptKillsAtOnce) {
   const pid_t learner = PidOf(*before_, "learner");
   kill(learner, SIGSTOP);
   cluster_.launcher().Signal(SIGINT);
-  ASSERT_TRUE(Eventually([&] { return cluster_.Said().find("waiting for the learner") != std::string::npos; }));
+  ASSERT_TRUE(
+      Eventually([&] { return cluster_.Said().find("waiting for the learner") != std::string::npos; }));
   cluster_.launcher().Signal(SIGINT);
   EXPECT_EQ(cluster_.WaitForEnd(20), 1) << cluster_.Said();
   for (const pid_t pid : pids) EXPECT_TRUE(Eventually([&] { return IsDead(pid); })) << pid;

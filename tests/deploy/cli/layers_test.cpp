@@ -44,6 +44,16 @@ TEST_F(LayersTest, RefusesSidewaysLink) {
   EXPECT_THAT(output.err, HasSubstr("links dadrl_replay_part of replay"));
 }
 
+TEST_F(LayersTest, LockstepMayLinkEverythingAndNobodyMayLinkIt) {
+  std::filesystem::create_directories(folder_.path() / "deploy/lockstep");
+  Write("deploy/lockstep/CMakeLists.txt",
+        "dadrl_library(lockstep LINK dadrl_actor_part dadrl_learner_part)\n");
+  Write("deploy/lockstep/a.cpp", "#include \"learner/trainer.h\"\n");
+  EXPECT_EQ(Check().exit_code, 0);
+  Write("deploy/CMakeLists.txt", "dadrl_library(deploy_part LINK dadrl_lockstep)\n");
+  EXPECT_EQ(Check().exit_code, 1);
+}
+
 TEST_F(LayersTest, RefusesSumoOutsideTheActor) {
   Write("replay/a.cpp", "#include <libsumo/Simulation.h>\n");
   EXPECT_EQ(Check().exit_code, 1);
