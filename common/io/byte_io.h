@@ -23,7 +23,7 @@ class ByteWriter {
   template <typename T>
   requires std::is_arithmetic_v<T>
   void Put(T value) { PutBytes(std::as_bytes(std::span(&value, 1))); }
-  void PutBytes(std::span<const std::byte> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+  void PutBytes(std::span<const std::byte> bytes);
   // u32 length, then the bytes.
   void PutText(std::string_view text) {
     Put(static_cast<uint32_t>(text.size()));
