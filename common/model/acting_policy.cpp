@@ -38,7 +38,7 @@ struct Stack {
 
 nn::Arena ArenaFor(const PolicyNetwork& network, const ModelConfig& model) {
   nn::Arena measure;
-  Stack(measure, network, model);
+  const Stack measured(measure, network, model);
   return nn::Arena(measure.used());
 }
 

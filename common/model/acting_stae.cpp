@@ -47,7 +47,7 @@ ActingStae::ActingStae(nn::Arena& arena, const ObservationSpec& spec)
       output_(arena, kUnits, kUnits),
       joined_output_(arena, kEgo + kUnits, Stae::kFeatures) {
   present_.reserve(static_cast<size_t>(spec.vehicles));
-  const size_t rows = nn::RoundUp(static_cast<size_t>(1 + spec.vehicles), kRows);
+  const size_t rows = nn::RoundUp(size_t{1} + static_cast<size_t>(spec.vehicles), kRows);
   joined_input_ = arena.Allocate(rows * kPadded);
   gates_ = arena.Allocate(rows * kGates);
   cell_ = arena.Allocate(rows * kPadded);

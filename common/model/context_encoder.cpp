@@ -14,10 +14,6 @@ constexpr std::array<std::array<int, 3>, nn::kConvLayers> kConvShapes = {
 
 size_t Samples(int blocks) { return static_cast<size_t>(blocks) * kLanes; }
 
-nn::LaneSpan TakePooled(nn::Arena& arena, int blocks) {
-  return nn::Contiguous(arena.Allocate(Samples(blocks) * kConvFeatures), kConvFeatures);
-}
-
 }  // namespace
 
 ContextEncoder ContextEncoder::Add(nn::ParamLayout& layout, const std::string& prefix) {
@@ -55,10 +51,10 @@ ContextActivations::ContextActivations(nn::Arena& arena, int blocks, bool keep_a
     : keep(keep_all),
       conv(arena.Allocate(nn::ConvStackActivationBytes(blocks * kLanes, keep_all) / sizeof(float))),
       rows(arena.Allocate(Samples(blocks) * kConvFeatures)),
-      pooled(TakePooled(arena, blocks)) {}
+      pooled(nn::TakeLanes(arena, kConvFeatures, blocks)) {}
 
 ContextScratch::ContextScratch(nn::Arena& arena, int blocks)
-    : pooled_gradient(TakePooled(arena, blocks)),
+    : pooled_gradient(nn::TakeLanes(arena, kConvFeatures, blocks)),
       row_gradient(arena.Allocate(Samples(blocks) * kConvFeatures)),
       rows(arena.Allocate(nn::WeightScratch(kConvFeatures, blocks))) {}
 

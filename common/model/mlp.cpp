@@ -9,17 +9,12 @@ using nn::LaneSpan;
 
 namespace {
 
-LaneSpan Take(nn::Arena& arena, int features, int blocks) {
-  return nn::Contiguous(arena.Allocate(static_cast<size_t>(features * kLanes) * static_cast<size_t>(blocks)),
-                        features);
-}
-
 MlpActivations::Hidden TakeHidden(nn::Arena& arena, int features, int blocks, bool layer_norm) {
   MlpActivations::Hidden hidden;
-  hidden.output = Take(arena, features, blocks);
+  hidden.output = nn::TakeLanes(arena, features, blocks);
   if (!layer_norm) return hidden;
-  hidden.normalized = Take(arena, features, blocks);
-  hidden.inverse_deviation = arena.Allocate(static_cast<size_t>(blocks * kLanes));
+  hidden.normalized = nn::TakeLanes(arena, features, blocks);
+  hidden.inverse_deviation = arena.Allocate(static_cast<size_t>(blocks) * kLanes);
   return hidden;
 }
 
@@ -63,8 +58,8 @@ MlpActivations::MlpActivations(nn::Arena& arena, const Mlp& mlp, int blocks)
       hidden2(TakeHidden(arena, mlp.hidden2.outputs, blocks, mlp.layer_norm)) {}
 
 MlpScratch::MlpScratch(nn::Arena& arena, const Mlp& mlp, int blocks)
-    : gradient1(Take(arena, mlp.hidden1.outputs, blocks)),
-      gradient2(Take(arena, mlp.hidden2.outputs, blocks)),
+    : gradient1(nn::TakeLanes(arena, mlp.hidden1.outputs, blocks)),
+      gradient2(nn::TakeLanes(arena, mlp.hidden2.outputs, blocks)),
       rows(arena.Allocate(nn::WeightScratch(std::max(mlp.hidden1.inputs, mlp.hidden2.inputs), blocks))) {}
 
 void MlpForward(const nn::LaneKernels& kernels, const Mlp& mlp, const float* parameters, LaneSpan input,

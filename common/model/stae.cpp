@@ -11,11 +11,6 @@ namespace {
 
 constexpr int kEgo = ObservationSpec::kEgoFeatures;
 
-LaneSpan Take(nn::Arena& arena, int features, int blocks) {
-  return nn::Contiguous(arena.Allocate(static_cast<size_t>(features * kLanes) * static_cast<size_t>(blocks)),
-                        features);
-}
-
 int Sequences(const Stae& stae) { return 1 + stae.attention.vehicles; }
 
 }  // namespace
@@ -31,14 +26,14 @@ Stae Stae::Add(nn::ParamLayout& layout, const std::string& prefix, const Observa
 
 StaeActivations::StaeActivations(nn::Arena& arena, const Stae& stae, int blocks, bool keep)
     : lstm(arena, stae.lstm, blocks * Sequences(stae), keep),
-      hidden(Take(arena, Sequences(stae) * Stae::kUnits, blocks)),
+      hidden(nn::TakeLanes(arena, Sequences(stae) * Stae::kUnits, blocks)),
       attention(arena, stae.attention, blocks),
-      joined(Take(arena, kEgo + Stae::kUnits, blocks)),
-      inverse_deviation(arena.Allocate(static_cast<size_t>(blocks * kLanes))) {}
+      joined(nn::TakeLanes(arena, kEgo + Stae::kUnits, blocks)),
+      inverse_deviation(arena.Allocate(static_cast<size_t>(blocks) * kLanes)) {}
 
 StaeScratch::StaeScratch(nn::Arena& arena, const Stae& stae, int blocks)
-    : sum_gradient(Take(arena, Stae::kUnits, blocks)),
-      hidden_gradient(Take(arena, Sequences(stae) * Stae::kUnits, blocks)),
+    : sum_gradient(nn::TakeLanes(arena, Stae::kUnits, blocks)),
+      hidden_gradient(nn::TakeLanes(arena, Sequences(stae) * Stae::kUnits, blocks)),
       attention(arena, stae.attention, blocks),
       lstm(arena, stae.lstm),
       rows(arena.Allocate(nn::WeightScratch(kEgo + Stae::kUnits, blocks))) {}

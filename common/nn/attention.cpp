@@ -6,11 +6,6 @@
 namespace dadrl::nn {
 namespace {
 
-LaneSpan Take(Arena& arena, int features, int blocks) {
-  return Contiguous(arena.Allocate(static_cast<size_t>(features) * kLanes * static_cast<size_t>(blocks)),
-                    features);
-}
-
 AttentionBlock BlockOf(const Attention& attention, const float* parameters, LaneSpan hidden,
                        const AttentionActivations& activations, int block) {
   return {.vehicles = attention.vehicles,
@@ -71,20 +66,20 @@ Attention Attention::Add(ParamLayout& layout, const std::string& prefix, int uni
 }
 
 AttentionActivations::AttentionActivations(Arena& arena, const Attention& attention, int blocks)
-    : query(Take(arena, attention.units, blocks)),
-      folded(Take(arena, attention.units, blocks)),
-      context(Take(arena, attention.units, blocks)),
-      value(Take(arena, attention.units, blocks)),
-      weights(Take(arena, attention.vehicles, blocks)),
-      total(Take(arena, 1, blocks)) {}
+    : query(TakeLanes(arena, attention.units, blocks)),
+      folded(TakeLanes(arena, attention.units, blocks)),
+      context(TakeLanes(arena, attention.units, blocks)),
+      value(TakeLanes(arena, attention.units, blocks)),
+      weights(TakeLanes(arena, attention.vehicles, blocks)),
+      total(TakeLanes(arena, 1, blocks)) {}
 
 AttentionScratch::AttentionScratch(Arena& arena, const Attention& attention, int blocks)
-    : query_gradient(Take(arena, attention.units, blocks)),
-      folded_gradient(Take(arena, attention.units, blocks)),
-      context_gradient(Take(arena, attention.units, blocks)),
-      value_gradient(Take(arena, attention.units, blocks)),
-      total_gradient(Take(arena, 1, blocks)),
-      bias_score_gradient(Take(arena, 1, blocks)),
+    : query_gradient(TakeLanes(arena, attention.units, blocks)),
+      folded_gradient(TakeLanes(arena, attention.units, blocks)),
+      context_gradient(TakeLanes(arena, attention.units, blocks)),
+      value_gradient(TakeLanes(arena, attention.units, blocks)),
+      total_gradient(TakeLanes(arena, 1, blocks)),
+      bias_score_gradient(TakeLanes(arena, 1, blocks)),
       rows(arena.Allocate(WeightScratch(attention.units, blocks))) {}
 
 void AttentionForward(const LaneKernels& kernels, const Attention& attention, const float* parameters,

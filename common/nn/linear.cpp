@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "common/nn/aligned_buffer.h"
-
 namespace dadrl::nn {
 namespace {
 
@@ -12,6 +10,11 @@ ptrdiff_t PaddedRow(int inputs) {
 }
 
 }  // namespace
+
+LaneSpan TakeLanes(Arena& arena, int features, int blocks) {
+  const auto block = static_cast<size_t>(features) * kLanes;
+  return Contiguous(arena.Allocate(block * static_cast<size_t>(blocks)), features);
+}
 
 Linear Linear::Add(ParamLayout& layout, const std::string& prefix, int inputs, int outputs) {
   const float bound = 1.0f / std::sqrt(static_cast<float>(inputs));

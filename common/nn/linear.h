@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "common/nn/aligned_buffer.h"
 #include "common/nn/lanes/lane_kernels.h"
 #include "common/nn/param_layout.h"
 
@@ -22,6 +23,9 @@ struct LaneSpan {
 
 // A contiguous [blocks][features][16].
 inline LaneSpan Contiguous(float* data, int features) { return {data, ptrdiff_t{features} * kLanes}; }
+
+// Such an array of an arena, zeroed at first.
+LaneSpan TakeLanes(Arena& arena, int features, int blocks);
 
 // y = W x + b; `weight` and `bias` are offsets into the flat parameter vector, weight [outputs][inputs].
 struct Linear {

@@ -14,7 +14,8 @@ ptrdiff_t Units(const Lstm& lstm) { return ptrdiff_t{lstm.units} * kLanes; }
 
 // hidden, input, and a one whose weights are the bias, padded to whole vectors.
 int JoinedRow(const Lstm& lstm) {
-  return static_cast<int>(RoundUp(static_cast<size_t>(lstm.units + lstm.inputs + 1), kLanes));
+  const int features = lstm.units + lstm.inputs + 1;
+  return static_cast<int>(RoundUp(static_cast<size_t>(features), kLanes));
 }
 
 // Where a step of a block lies in the activations.

@@ -19,9 +19,10 @@ std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& 
                                          int threads) {
   const int share = (blocks + threads - 1) / threads;
   nn::Arena measure;
-  SacWorkspace(measure, policy, critic, spec, share);
+  const SacWorkspace measured(measure, policy, critic, spec, share);
   arena = nn::Arena(measure.used() * static_cast<size_t>(threads));
   std::vector<SacWorkspace> workspaces;
+  workspaces.reserve(static_cast<size_t>(threads));
   for (int i = 0; i < threads; ++i) workspaces.emplace_back(arena, policy, critic, spec, share);
   return workspaces;
 }

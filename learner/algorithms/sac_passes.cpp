@@ -65,10 +65,10 @@ void Sac::CriticPass(const TransitionBatch& batch, SacWorkspace& workspace) {
   const int blocks = workspace.now.blocks;
   const int features = critic_.encoder.features();
   const float* parameters = critic_parameters_.data();
+  const float* action = batch.action.data() + ptrdiff_t{workspace.first_sample} * kActionSize;
   for (int i = 0; i < workspace.samples; ++i) {
     for (int d = 0; d < kActionSize; ++d) {
-      workspace.critic_input.block(i / kLanes)[(features + d) * kLanes + i % kLanes] =
-          batch.action[static_cast<size_t>((workspace.first_sample + i) * kActionSize + d)];
+      workspace.critic_input.block(i / kLanes)[(features + d) * kLanes + i % kLanes] = *action++;
     }
   }
   EncoderForward(kernels_, critic_.encoder, parameters, workspace.now, workspace.kept,
