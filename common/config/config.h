@@ -101,7 +101,6 @@ struct LearnerConfig {
 
 struct ActorConfig {
   int count = 1;
-  int64_t random_decisions = 2000;  // of all actors together, before the policy acts
   int chunk_frames = 64;
   int64_t max_unacknowledged_bytes = int64_t{64} << 20;
   FloatCoding floats = FloatCoding::kFloat16;

@@ -105,7 +105,8 @@ void AddReplay(SchemaBuilder& b, Config& c) {
   b.AddChoice("replay.sync", r.sync, {"none", "interval", "always"},
               "When stored chunks are forced to disk; an acknowledgement promises what this does");
   b.Add("replay.sync_interval_s", r.sync_interval_s, 0.01, 3600, "Seconds between two forced writes");
-  b.Add("replay.min_size", r.min_size, 1, kHuge, "Frames held before the first sample");
+  b.Add("replay.min_size", r.min_size, 1, kHuge,
+        "Frames held before the first sample; actors act at random until then");
   b.Add("replay.samples_per_insert", r.samples_per_insert, 0, 1e6,
         "Sampled transitions per inserted frame above which sampling waits; 0 is never");
   b.Add("replay.min_samples_per_insert", r.min_samples_per_insert, 0, 1e6,
@@ -134,8 +135,6 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("learner.max_updates", l.max_updates, 0, kHuge, "Stop after so many updates; 0 is never");
   ActorConfig& a = c.actor;
   b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
-  b.Add("actor.random_decisions", a.random_decisions, 0, kHuge,
-        "Decisions taken at random, by all actors together, before the policy acts");
   b.Add("actor.chunk_frames", a.chunk_frames, 1, 64, "Frames of one experience chunk");
   b.Add("actor.max_unacknowledged_bytes", a.max_unacknowledged_bytes, 1 << 16, kHuge,
         "Experience an actor keeps until the replay has stored it; then it waits");

@@ -1,3 +1,7 @@
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,6 +28,7 @@ struct TrainOptions {
   std::optional<double> minutes;
   std::optional<uint64_t> seed;
   bool resume = false;
+  bool deterministic = false;
   std::string run_dir;
 
   fs::path ResumedDirectory() const { return run_dir.empty() ? fs::path("runs/latest") : fs::path(run_dir); }
@@ -57,11 +62,35 @@ void PrintSummary(const RunPaths& paths, const Config& config, RunOutcome outcom
   }
 }
 
+fs::path NewRunRoot(const TrainOptions& options, const Config& config) {
+  return options.run_dir.empty() ? NewRunPath("runs", config.scenario) : fs::path(options.run_dir);
+}
+
+// Becomes dadrl-lockstep; returns only when it cannot.
+Result<int> RunInLockstep(const TrainOptions& options) {
+  if (options.resume) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "--deterministic with --resume: a lockstep training runs in one piece; leave one of them out");
+  }
+  DADRL_ASSIGN_OR_RETURN(const Config config, EffectiveConfig(options, std::nullopt));
+  DADRL_ASSIGN_OR_RETURN(const fs::path program, FindExecutable("dadrl-lockstep"));
+  DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
+  DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
+  if (options.run_dir.empty()) LinkLatest(directory.paths().root);
+  const std::string config_file = directory.paths().config().string();
+  const std::string root = directory.paths().root.string();
+  execl(program.c_str(), program.c_str(), "--config", config_file.c_str(), "--run-dir", root.c_str(),
+        static_cast<char*>(nullptr));
+  return Fail(ErrorCode::kInternal, "cannot start {}: {}", program.string(), std::strerror(errno));
+}
+
 Result<int> RunTrain(const TrainOptions& options) {
   if (options.scenario.empty() && !options.resume) {
     return Fail(ErrorCode::kInvalidArgument, "which scenario? There are: {}",
                 fmt::join(ScenarioNames(), ", "));
   }
+  if (options.deterministic) return RunInLockstep(options);
   // Before any thread starts: they inherit the signal mask.
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
 
@@ -74,9 +103,7 @@ Result<int> RunTrain(const TrainOptions& options) {
   DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
   if (!directory) {
-    const fs::path root =
-        options.run_dir.empty() ? NewRunPath("runs", config.scenario) : fs::path(options.run_dir);
-    DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::CreateNew(root));
+    DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
   }
   DADRL_RETURN_IF_ERROR(directory->SaveConfig(config));
   if (options.run_dir.empty() && !options.resume) LinkLatest(directory->paths().root);
@@ -102,6 +129,8 @@ Command MakeTrainCommand(CLI::App& dadrl) {
   app->add_option("--minutes", options->minutes, "Minutes of training; 0 is until stopped (minutes)");
   app->add_option("--seed", options->seed, "Of everything random (seed)");
   app->add_flag("--resume", options->resume, "Go on with the run in --run-dir (default: runs/latest)");
+  app->add_flag("--deterministic", options->deterministic,
+                "One process, all roles in turns: same seed, same weights (a minute is 1,200 updates)");
   app->add_option("--run-dir", options->run_dir, "Where the run lives (default: runs/SCENARIO-TIME)")
       ->type_name("DIR");
   options->config.AddTo(*app);

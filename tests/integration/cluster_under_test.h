@@ -21,7 +21,6 @@ using nlohmann::json;
 inline std::vector<std::string> SmallTraining() {
   return {"--actors", "1",
           "--set",    "replay.min_size=200",
-          "--set",    "actor.random_decisions=200",
           "--set",    "actor.chunk_frames=16",
           "--set",    "model.hidden=32",
           "--set",    "learner.checkpoint_interval_s=2",

@@ -118,5 +118,19 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
   EXPECT_EQ(results["final"]["updates"], goal);
 }
 
+TEST(Training, IsTheSameTwiceWhenDeterministic) {
+  const TemporaryFolder folder;
+  const auto train = [&](const std::string& name) {
+    return Dadrl(
+        LeftTurn({"--deterministic", "--set", "learner.max_updates=20", "--run-dir", folder.path() / name}));
+  };
+  const CommandOutput first = train("first");
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(json::parse(first.out)["updates"], 20);
+  EXPECT_EQ(train("second").out, first.out);
+  // The folder holds a run now.
+  EXPECT_EQ(train("first").exit_code, 2);
+}
+
 }  // namespace
 }  // namespace dadrl
