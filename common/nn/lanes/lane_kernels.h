@@ -6,9 +6,9 @@
 // hold zeros and are given zero gradients by the loss. All arrays are 64-byte aligned float32 unless said
 // otherwise.
 //
-// Dense products are ours rather than Eigen's because in this layout they need no packing: measured on one
-// AVX-512 core, 215-233 GFLOP/s against Eigen's 120-210 on this network's shapes (tests/bench/learner_update
-// prints both).
+// Dense products are ours rather than Eigen's because in this layout they need no packing, and no template
+// that the linker could merge across instruction sets: tests/bench/dense_product measures both on this
+// network's shapes.
 #pragma once
 
 #include <cstddef>
