@@ -51,7 +51,7 @@ TEST(Chunk, ComesBackAsItWasBuilt) {
   for (int i = 0; i < 5; ++i) {
     observations.push_back(SyntheticObservation(kSpec, random));
     builder.AddTransition(observations.back(), {0.25f * static_cast<float>(i), -0.5f},
-                          static_cast<float>(i) - 2.0f, i == 4 ? kTruncated : uint8_t{0},
+                          static_cast<float>(i) - 2.0f, static_cast<uint8_t>(i == 4 ? kTruncated : 0),
                           static_cast<uint32_t>(10 + i));
   }
   observations.push_back(SyntheticObservation(kSpec, random));
@@ -72,7 +72,7 @@ TEST(Chunk, ComesBackAsItWasBuilt) {
     EXPECT_EQ(decoded, observations[static_cast<size_t>(i)]);
   }
   for (int i = 0; i < 5; ++i) {
-    EXPECT_EQ(view->flags(i), i == 4 ? kHasAction | kTruncated : kHasAction);
+    EXPECT_EQ(view->flags(i), kHasAction | (i == 4 ? kTruncated : 0));
     EXPECT_EQ(view->action(i), (Action{0.25f * static_cast<float>(i), -0.5f}));
     EXPECT_EQ(view->reward(i), static_cast<float>(i) - 2.0f);
     EXPECT_EQ(view->policy_version(i), static_cast<uint32_t>(10 + i));

@@ -194,7 +194,7 @@ class NaiveReplay {
     for (int i = 0; i < total; ++i) {
       const uint32_t number = chunk.first_frame + static_cast<uint32_t>(i);
       const bool action = i < chunk.frames;
-      uint8_t flags = action ? kHasAction : uint8_t{0};
+      auto flags = static_cast<uint8_t>(action ? kHasAction : 0);
       if (i + 1 == chunk.frames) flags = static_cast<uint8_t>(flags | chunk.end);
       const float value = TestReward(chunk.identity.actor, chunk.episode, number);
       frames.push_back({segment, value, value, flags, i == 0 && wanted != position});
