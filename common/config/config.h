@@ -77,8 +77,8 @@ struct ReplayConfig {
   int64_t segment_bytes = int64_t{64} << 20;
   SyncMode sync = SyncMode::kInterval;
   double sync_interval_s = 1.0;
-  int64_t min_size = 2000;          // frames before the first sample
-  double samples_per_insert = 8.0;  // sampling waits above it (transitions per inserted frame); 0: never
+  int64_t min_size = 2000;               // frames before the first sample
+  double samples_per_insert = 8.0;       // sampling waits above it (transitions per inserted frame); 0: never
   double min_samples_per_insert = 0.0;   // actors wait below it; 0: never
   double samples_per_insert_band = 0.5;  // tolerated deviation of both, in inserts, as a multiple of min_size
   bool verify_frames = true;             // decode each frame once before it is stored

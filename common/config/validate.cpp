@@ -25,9 +25,10 @@ Status Validate(const Config& config) {
   }
   const ReplayConfig& replay = config.replay;
   if (replay.samples_per_insert > 0.0 && replay.min_samples_per_insert > replay.samples_per_insert) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
-                replay.min_samples_per_insert, replay.samples_per_insert);
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
+        replay.min_samples_per_insert, replay.samples_per_insert);
   }
   const bool ordered =
       replay.sampler == SamplerKind::kNewestFirst || replay.sampler == SamplerKind::kOldestFirst;

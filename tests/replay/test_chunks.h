@@ -56,8 +56,8 @@ inline float Decode(std::span<const std::byte> payload) {
   return observation.ego[1];
 }
 
-// A folder that is gone after the test. In memory where the host has such a place: some tests restart a replay
-// thousands of times, and each forces files to the device.
+// A folder that is gone after the test. In memory where the host has such a place: some tests restart a
+// replay thousands of times, and each forces files to the device.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

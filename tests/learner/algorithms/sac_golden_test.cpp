@@ -3,8 +3,8 @@
 // Adam divides each gradient by its own size, so in its first steps a gradient that is rounding noise still
 // moves its parameter by the full learning rate, in a direction that float32 cannot know: with the default
 // epsilon of 1e-8 the worst tensor is off by 4e-5 after three updates. The comparison of parameters therefore
-// uses algorithm.adam_epsilon 1e-5 (worst: 2.4e-6). The default is held by the first moments after one update,
-// which are a tenth of the gradients, and by the steps that follow from them.
+// uses algorithm.adam_epsilon 1e-5 (worst: 2.4e-6). The default is held by the first moments after one
+// update, which are a tenth of the gradients, and by the steps that follow from them.
 #include "common/nn/kernels/isa.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
