@@ -146,6 +146,7 @@ std::vector<Path> FindPaths(const RoadMap& map, const Route& route) {
     Extend(map, route, lanes, sequences);
   }
   std::vector<Path> paths;
+  paths.reserve(sequences.size());
   for (std::vector<int>& sequence : sequences) paths.push_back(MakePath(map, std::move(sequence)));
   for (Path& path : paths) {
     for (const Path& other : paths) path.sides.push_back(SidesOf(path, other));

@@ -40,6 +40,10 @@ struct RoadMap::Grid {
     return std::clamp(static_cast<int>(std::floor((y - origin.y) / kCellSize)), 0, rows - 1);
   }
 
+  size_t Cell(int row, int column) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column);
+  }
+
   void AddLane(const Lane& lane, int index);
   void Bin();
   // Calls visit(segment, along, distance) for each segment within `radius`; a segment may come twice.
@@ -78,7 +82,7 @@ void RoadMap::Grid::Bin() {
     const Point b = a + segments[i].span * segments[i].direction;
     for (int row = Row(std::min(a.y, b.y)); row <= Row(std::max(a.y, b.y)); ++row) {
       for (int column = Column(std::min(a.x, b.x)); column <= Column(std::max(a.x, b.x)); ++column) {
-        cells[static_cast<size_t>(row * columns + column)].push_back(static_cast<int32_t>(i));
+        cells[Cell(row, column)].push_back(static_cast<int32_t>(i));
       }
     }
   }
@@ -88,7 +92,7 @@ template <typename Visit>
 void RoadMap::Grid::ForEachNear(Point point, double radius, Visit visit) const {
   for (int row = Row(point.y - radius); row <= Row(point.y + radius); ++row) {
     for (int column = Column(point.x - radius); column <= Column(point.x + radius); ++column) {
-      for (const int32_t i : cells[static_cast<size_t>(row * columns + column)]) {
+      for (const int32_t i : cells[Cell(row, column)]) {
         const Segment& segment = segments[static_cast<size_t>(i)];
         const Point offset = point - segment.from;
         const double along = std::clamp(Dot(offset, segment.direction), 0.0, segment.span);
