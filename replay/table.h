@@ -39,7 +39,7 @@ struct TableOptions {
   uint64_t seed = 1;  // of the draws
   // Looks at each new chunk's payloads before it is stored; null: they are trusted. A chunk that fails is
   // dropped, and its actor need not keep it: the episode breaks off there.
-  std::function<Status(const ChunkView&)> verify;
+  std::function<Status(const ChunkView&)> verify = nullptr;
 };
 
 // RateLimiter::Options of a configuration: the band in frames.

@@ -79,7 +79,9 @@ TEST_F(TableRecovery, WithoutACleanStopEverythingIsThereOnce) {
     EXPECT_EQ(table->stats().inserted_frames, 45u);
     const auto slices = DrawAll(*table);
     EXPECT_EQ(slices.size(), 43u);  // the last two frames' slices are not complete
-    if (restart > 0) EXPECT_EQ(slices, before);
+    if (restart > 0) {
+      EXPECT_EQ(slices, before);
+    }
     before = slices;
   }
   auto table = Open();
@@ -172,7 +174,9 @@ TEST_F(TableRecovery, ADamagedRecordCostsItsChunkAndNothingElse) {
   EXPECT_EQ(table->Stored(1, 7), 6u);
   for (const auto& [first, rewards] : DrawAll(*table)) {
     // No slice bridges the hole.
-    if (rewards.size() == 2) EXPECT_EQ(rewards[1], first + 1.0f);
+    if (rewards.size() == 2) {
+      EXPECT_EQ(rewards[1], first + 1.0f);
+    }
   }
 }
 

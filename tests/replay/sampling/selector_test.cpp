@@ -128,7 +128,9 @@ TEST_P(AllSelectors, DrawOnlyWhatIsInUnderRandomOperations) {
     }
     in[slot] = !in[slot];
     ASSERT_EQ(selector->size(), size);
-    if (size > 0) ASSERT_TRUE(in[selector->Sample(random).slot]);
+    if (size > 0) {
+      ASSERT_TRUE(in[selector->Sample(random).slot]);
+    }
   }
 }
 
