@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "common/config/config_yaml.h"
-#include "common/io/atomic_file.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "tests/common/io/temporary_directory.h"
@@ -59,7 +58,7 @@ TEST_F(CheckpointTest, DamageAtAnyOffsetIsNoticed) {
   for (size_t i = 0; i < good.size(); i += i < 64 ? 1 : 37) {
     std::vector<std::byte> bad = good;
     bad[i] ^= std::byte{0x10};
-    ASSERT_TRUE(WriteFileAtomically(path_, bad));
+    WritePlainly(path_, bad);
     const auto loaded = LoadCheckpoint(path_);
     ASSERT_FALSE(loaded) << "byte " << i;
     EXPECT_THAT(loaded.error().message, HasSubstr(path_.string()));
@@ -70,7 +69,7 @@ TEST_F(CheckpointTest, TruncationAtAnyLengthIsCorruptWithTheRemedy) {
   ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
   const std::vector<std::byte> good = ReadFile(path_, 1 << 24).value();
   for (size_t length = 0; length < good.size(); length += length < 64 ? 1 : 41) {
-    ASSERT_TRUE(WriteFileAtomically(path_, std::span(good).first(length)));
+    WritePlainly(path_, std::span(good).first(length));
     const auto loaded = LoadCheckpoint(path_);
     ASSERT_FALSE(loaded) << length;
     EXPECT_EQ(loaded.error().code, ErrorCode::kCorrupt);
@@ -87,7 +86,7 @@ TEST_F(CheckpointTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   for (size_t i = 0; i < 8; ++i) bytes[publish_count_at + i] = std::byte{0xFF};
   const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
-  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  WritePlainly(path_, bytes);
   EXPECT_THAT(LoadCheckpoint(path_).error().message, HasSubstr("contents"));
 }
 
@@ -95,7 +94,7 @@ TEST_F(CheckpointTest, AnotherFormatIsRefusedWithBothNumbers) {
   ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
   std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
   bytes[8] = std::byte{2};
-  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  WritePlainly(path_, bytes);
   EXPECT_EQ(LoadCheckpoint(path_).error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(LoadCheckpoint(path_).error().message, AllOf(HasSubstr("format 2"), HasSubstr("format 1")));
 }

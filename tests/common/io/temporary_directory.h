@@ -3,7 +3,10 @@
 
 #include <stdlib.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <fstream>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -28,5 +31,11 @@ class TemporaryDirectory {
  private:
   std::filesystem::path path_;
 };
+
+// Not atomic, not synced: thousands of damaged copies of a file in a second.
+inline void WritePlainly(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
 
 }  // namespace dadrl

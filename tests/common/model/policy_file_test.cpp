@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "common/config/config_yaml.h"
-#include "common/io/atomic_file.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "tests/common/io/temporary_directory.h"
@@ -61,7 +60,7 @@ TEST_F(PolicyFileTest, EveryFlippedByteIsNoticed) {
   for (size_t i = 0; i < good.size(); ++i) {
     std::vector<std::byte> bad = good;
     bad[i] ^= std::byte{0x40};
-    ASSERT_TRUE(WriteFileAtomically(path_, bad));
+    WritePlainly(path_, bad);
     const auto loaded = LoadPolicy(path_);
     ASSERT_FALSE(loaded) << "byte " << i;
     EXPECT_THAT(loaded.error().message, HasSubstr(path_.string()));
@@ -72,7 +71,7 @@ TEST_F(PolicyFileTest, EveryTruncationIsCorrupt) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
   const std::vector<std::byte> good = Saved();
   for (size_t length = 0; length < good.size(); ++length) {
-    ASSERT_TRUE(WriteFileAtomically(path_, std::span(good).first(length)));
+    WritePlainly(path_, std::span(good).first(length));
     ASSERT_FALSE(LoadPolicy(path_)) << length;
     EXPECT_EQ(LoadPolicy(path_).error().code, ErrorCode::kCorrupt);
   }
@@ -85,7 +84,7 @@ TEST_F(PolicyFileTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   for (size_t i = 0; i < 8; ++i) bytes[count_at + i] = std::byte{0xFF};
   const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
-  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  WritePlainly(path_, bytes);
   EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("lengths"));
 }
 
@@ -93,7 +92,7 @@ TEST_F(PolicyFileTest, AnotherFormatIsRefusedWithBothNumbers) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
   std::vector<std::byte> bytes = Saved();
   bytes[8] = std::byte{9};
-  ASSERT_TRUE(WriteFileAtomically(path_, bytes));
+  WritePlainly(path_, bytes);
   const auto loaded = LoadPolicy(path_);
   EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(loaded.error().message, HasSubstr("format 9"));
