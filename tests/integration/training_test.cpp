@@ -121,8 +121,8 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
 TEST(Training, IsTheSameTwiceWhenDeterministic) {
   const TemporaryFolder folder;
   const auto train = [&](const std::string& name) {
-    return Dadrl(
-        LeftTurn({"--deterministic", "--set", "learner.max_updates=20", "--run-dir", folder.path() / name}));
+    return Dadrl(With({"train"}, LeftTurn({"--deterministic", "--set", "learner.max_updates=20", "--run-dir",
+                                           folder.path() / name})));
   };
   const CommandOutput first = train("first");
   ASSERT_EQ(first.exit_code, 0) << first.err;
