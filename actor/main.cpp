@@ -12,6 +12,8 @@
 namespace dadrl {
 namespace {
 
+constexpr int kMaxEpisodes = 1'000'000;
+
 struct CollectArguments {
   std::string config;
   std::string run_directory;
@@ -64,11 +66,12 @@ Result<std::vector<PlannedEpisode>> ParseSeeds(const std::string& text) {
   int count = 0;
   int used = 0;
   if (std::sscanf(text.c_str(), "%llu:%d%n", &first, &count, &used) != 2 ||
-      used != static_cast<int>(text.size()) || count < 1) {
-    return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' is not FIRST:COUNT with COUNT of 1 or more",
-                text);
+      used != static_cast<int>(text.size()) || count < 1 || count > kMaxEpisodes) {
+    return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' is not FIRST:COUNT with a COUNT of 1 to {}", text,
+                kMaxEpisodes);
   }
   std::vector<PlannedEpisode> episodes;
+  episodes.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) episodes.push_back({.seed = first + static_cast<uint64_t>(i)});
   return episodes;
 }

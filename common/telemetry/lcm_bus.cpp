@@ -1,7 +1,5 @@
 #include "common/telemetry/lcm_bus.h"
 
-#include <lcm/lcm.h>
-
 #include <algorithm>
 #include <utility>
 

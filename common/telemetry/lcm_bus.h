@@ -2,6 +2,8 @@
 // anyone on this host can send one, and the decoders that lcm-gen writes trust their input.
 #pragma once
 
+#include <lcm/lcm.h>
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -11,8 +13,6 @@
 
 #include "common/util/clock.h"
 #include "common/util/result.h"
-
-struct _lcm_t;
 
 namespace dadrl {
 
@@ -40,9 +40,9 @@ class LcmBus {
   bool Handle(Duration timeout);
 
  private:
-  explicit LcmBus(_lcm_t* lcm) : lcm_(lcm) {}
+  explicit LcmBus(lcm_t* lcm) : lcm_(lcm) {}
 
-  _lcm_t* lcm_;
+  lcm_t* lcm_;
   std::vector<std::unique_ptr<Handler>> handlers_;  // LCM holds their addresses
 };
 

@@ -38,6 +38,9 @@ template <typename... Args>
 // Process exit code of an error: 2 for wrong usage, 1 for everything else (design, section 3).
 inline int ExitCode(const Error& error) { return error.code == ErrorCode::kInvalidArgument ? 2 : 1; }
 
+// What these macros paste are declarations and names, which take no parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
+
 // Returns the error of `expression` (a Status) from the enclosing function. The expression may hold a lambda
 // that uses the macro itself.
 #define DADRL_RETURN_IF_ERROR(expression) \
@@ -57,5 +60,7 @@ inline int ExitCode(const Error& error) { return error.code == ErrorCode::kInval
   auto result = (expression);                                                    \
   if (!result) return tl::unexpected<::dadrl::Error>(std::move(result.error())); \
   declaration = std::move(*result)
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace dadrl
