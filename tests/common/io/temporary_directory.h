@@ -32,8 +32,10 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-// Not atomic, not synced: thousands of damaged copies of a file in a second.
+// Not atomic, not synced: thousands of damaged copies of a file in a second. A new file each time, because
+// ext4 flushes one that was truncated when it is closed.
 inline void WritePlainly(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary | std::ios::trunc)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
