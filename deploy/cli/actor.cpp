@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -54,11 +55,13 @@ int DrawFirstIndex(int actors) {
   return 10'000 + static_cast<int>(random.Below(kLast - 10'000 - static_cast<uint64_t>(actors)));
 }
 
+// Without throwing where standard error is gone, as fmt::print would.
+void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
+
 // Supervises until the user stops it or no actor is left.
 Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
   const SystemClock clock;
-  Supervisor supervisor(RestartLimits{}, clock,
-                        [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+  Supervisor supervisor(RestartLimits{}, clock, Say);
   BecomeSubreaper();
   for (ProcessSpec& spec : specs) DADRL_RETURN_IF_ERROR(supervisor.Start(std::move(spec)));
   bool stopping = false;
@@ -73,7 +76,7 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
     if (signals.StopRequested() && !stopping) {
       stopping = true;
       supervisor.StopRole(kActorRole);
-      fmt::print(stderr, "waiting for the actors to finish their step; once more Ctrl-C kills them\n");
+      Say("waiting for the actors to finish their step; once more Ctrl-C kills them");
     }
   }
   return supervisor.Lost() ? 1 : 0;

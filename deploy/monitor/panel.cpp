@@ -113,16 +113,19 @@ ProgressDisplay::~ProgressDisplay() { Finish(); }
 
 bool ProgressDisplay::Due() const { return clock_.Now() >= next_; }
 
+// A terminal or pipe that is gone must not end the training: errors are ignored (fmt::print would throw).
+void ProgressDisplay::Put(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stream_); }
+
 void ProgressDisplay::Erase() {
   // Up over the old panel, then clear to the end of the screen.
-  if (shown_lines_ > 0) fmt::print(stream_, "\x1b[{}F\x1b[J", shown_lines_);
+  if (shown_lines_ > 0) Put(fmt::format("\x1b[{}F\x1b[J", shown_lines_));
   shown_lines_ = 0;
 }
 
 void ProgressDisplay::Show(const Progress& progress) {
   next_ = clock_.Now() + FromSeconds(terminal_ ? kPanelInterval_s : kLineInterval_s);
   if (!terminal_) {
-    fmt::print(stream_, "{}\n", RenderLine(progress));
+    Put(RenderLine(progress) + "\n");
     std::fflush(stream_);
     return;
   }
@@ -133,14 +136,14 @@ void ProgressDisplay::Show(const Progress& progress) {
     lines.insert(lines.end(), processes.begin(), processes.end());
   }
   Erase();
-  for (const std::string& line : lines) fmt::print(stream_, "{}\n", line);
+  for (const std::string& line : lines) Put(line + "\n");
   std::fflush(stream_);
   shown_lines_ = lines.size();
 }
 
 void ProgressDisplay::Message(const std::string& text) {
   Erase();
-  fmt::print(stream_, "{}\n", text);
+  Put(text + "\n");
   std::fflush(stream_);
   if (terminal_) next_ = clock_.Now();  // brings the panel back at once
 }

@@ -51,6 +51,7 @@ class ProgressDisplay {
   void Finish();
 
  private:
+  void Put(const std::string& text);
   void Erase();
 
   std::FILE* stream_;

@@ -1,7 +1,9 @@
 #include "deploy/monitor/panel.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -68,6 +70,23 @@ TEST(ProgressDisplay, PrintsPlainLinesEveryTenSecondsWhereThereIsNoTerminal) {
   EXPECT_THAT(text, HasSubstr("[3:12 of 20:00] training"));
   EXPECT_THAT(text, HasSubstr("\nactor-0 ended\n"));
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+}
+
+TEST(ProgressDisplay, OutlivesItsReader) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  close(ends[0]);
+  const auto before = signal(SIGPIPE, SIG_IGN);
+  std::FILE* stream = fdopen(ends[1], "w");
+  setlinebuf(stream);
+  SystemClock clock;
+  {
+    ProgressDisplay display(stream, clock);
+    EXPECT_NO_THROW(display.Message("nobody reads this"));
+    EXPECT_NO_THROW(display.Show(Sample()));
+  }
+  std::fclose(stream);
+  signal(SIGPIPE, before);
 }
 
 TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
