@@ -6,12 +6,13 @@
 
 #include "actor/policies/scripted_policies.h"
 #include "actor/task/collision.h"
+#include "actor/task/events.h"
 
 namespace dadrl {
 namespace {
 
 constexpr std::array<double, 6> kSpeeds = {10.0, 8.0, 6.0, 4.0, 2.0, 0.0};
-constexpr double kClearance = 0.5;  // metres between the boxes
+constexpr double kClearance = 0.8;  // metres between the boxes
 constexpr double kRadius = 70.0;    // nobody comes from farther within the horizon
 
 // A car behind in the ego's own lane will brake for it, unlike its prediction.
@@ -62,6 +63,9 @@ int PredictivePolicy::ClearSteps(const DrivingEnvironment& environment, const Dr
   for (int step = 0; step < kHorizonSteps; ++step) {
     const EgoCommand control = controller.Control(vehicle.state(), command.target_speed_mps, command.lane);
     vehicle.Step(control.target_speed_mps, control.target_steering_rad);
+    const Point position = vehicle.state().pose.position;
+    if (Norm(position - environment.route().goal()) <= kGoalRadius) return kHorizonSteps;
+    if (environment.map().OffRoad(position)) return step;
     for (const Trajectory& other : others_) {
       if (BoxesWithin(vehicle.state().pose, other[static_cast<size_t>(step)], kClearance)) return step;
     }

@@ -11,7 +11,7 @@ namespace dadrl {
 
 // Every step: everyone else keeps speed and turn rate for four seconds; the ego takes the fastest of
 // {10, 8, 6, 4, 2, 0} m/s, on its route's lane if it can, whose drive on its own controller and bicycle stays
-// clear of them all; when none does, the one that stays clear the longest.
+// on the road and clear of them all; when none does, the one that stays clear the longest.
 class PredictivePolicy final : public DrivingPolicy {
  public:
   void BeginEpisode(uint64_t seed) override;
@@ -24,7 +24,8 @@ class PredictivePolicy final : public DrivingPolicy {
 
   void Predict(const WorldState& world);
   double TurnRate(const SocialVehicle& vehicle) const;
-  // Steps until the drive comes too close to someone; kHorizonSteps when it never does.
+  // Steps until the drive leaves the road or comes too close to someone; kHorizonSteps when it never does, or
+  // not before the goal.
   int ClearSteps(const DrivingEnvironment& environment, const DriveCommand& command) const;
 
   std::array<std::vector<SocialVehicle>, kTurnSteps> past_;  // ring of scenes
