@@ -71,15 +71,17 @@ int Percent(double fraction) { return static_cast<int>(std::lround(100.0 * fract
 }  // namespace
 
 std::string Thousands(double value) {
-  std::string digits = fmt::format("{:.0f}", value);
-  for (int at = static_cast<int>(digits.size()) - 3; at > (value < 0 ? 1 : 0); at -= 3) {
-    digits.insert(static_cast<size_t>(at), ",");
+  const std::string digits = fmt::format("{:.0f}", std::abs(value));
+  std::string text = value <= -0.5 ? "-" : "";
+  for (size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
   }
-  return digits;
+  return text;
 }
 
 std::string DescribeBottleneck(const ClusterSummary& summary, const Config& config) {
-  if (const std::string silent = SilentRole(summary); !silent.empty()) return silent;
+  if (std::string silent = SilentRole(summary); !silent.empty()) return silent;
   const auto min_size = static_cast<double>(config.replay.min_size);
   if (summary.replay_frames < min_size && summary.updates_per_s == 0.0) {
     return fmt::format("actors: training starts at {} frames, the replay holds {}", Thousands(min_size),

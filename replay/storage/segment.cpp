@@ -146,6 +146,7 @@ Status Segment::WriteHeader(uint64_t schema) {
 
 Result<std::span<const std::byte>> Segment::Append(std::span<const std::byte> content) {
   const auto length = static_cast<uint32_t>(content.size());
+  const uint64_t offset = used_;
   const uint64_t checksum = Xxh3(content);
   std::vector<std::byte> header;
   header.reserve(kRecordHeader);
@@ -153,15 +154,15 @@ Result<std::span<const std::byte>> Segment::Append(std::span<const std::byte> co
   writer.Put(kRecordMagic);
   writer.Put(length);
   writer.Put(checksum);
-  writer.Put(RecordChecksum(id_, used_, length, checksum));
+  writer.Put(RecordChecksum(id_, offset, length, checksum));
   std::array<std::byte, 8> zeros{};
   const std::array<iovec, 3> parts = {iovec{header.data(), header.size()},
                                       iovec{const_cast<std::byte*>(content.data()), content.size()},
                                       iovec{zeros.data(), static_cast<size_t>(Padded(length) - length)}};
   // A failed write leaves a torn record behind `used_`: the next one overwrites it, or recovery drops it.
-  if (!WriteAllAt(file_.get(), parts, used_)) return tl::unexpected(IoError("write", path_, errno));
-  const std::span<const std::byte> stored(mapping_ + used_ + kRecordHeader, length);
-  used_ += RecordBytes(length);
+  if (!WriteAllAt(file_.get(), parts, offset)) return tl::unexpected(IoError("write", path_, errno));
+  const std::span<const std::byte> stored(mapping_ + offset + kRecordHeader, length);
+  used_ = offset + RecordBytes(length);
   return stored;
 }
 
@@ -177,21 +178,22 @@ bool Segment::HeaderAt(uint64_t offset, uint32_t& length, uint64_t& content_chec
 
 Result<Segment::Scan> Segment::Recover(const Visitor& visit) {
   Scan scan;
+  const uint64_t size = used_;
   uint64_t offset = kSegmentHeader;
-  uint64_t whole_end = used_ < kSegmentHeader ? 0 : kSegmentHeader;
+  uint64_t whole_end = size < kSegmentHeader ? 0 : kSegmentHeader;
   uint64_t dropped = 0;
-  while (offset < used_) {
+  while (offset < size) {
     uint32_t length = 0;
     uint64_t checksum = 0;
     if (!HeaderAt(offset, length, checksum)) {
       // Records start at multiples of 8: the next whole one may be anywhere behind the damage.
-      const uint64_t step = std::min<uint64_t>(8, used_ - offset);
+      const uint64_t step = std::min<uint64_t>(8, size - offset);
       offset += step;
       dropped += step;
       continue;
     }
     const std::span<const std::byte> content(mapping_ + offset + kRecordHeader, length);
-    const uint64_t end = std::min(used_, offset + RecordBytes(length));
+    const uint64_t end = std::min(size, offset + RecordBytes(length));
     if (Xxh3(content) == checksum) {
       ++(visit(content) ? scan.records : scan.rejected_records);
       whole_end = end;
@@ -200,9 +202,9 @@ Result<Segment::Scan> Segment::Recover(const Visitor& visit) {
     }
     offset = end;
   }
-  if (used_ < kSegmentHeader) dropped = used_;
+  if (size < kSegmentHeader) dropped = size;
   scan.dropped_bytes = dropped;
-  if (whole_end < used_ && ftruncate(file_.get(), static_cast<off_t>(whole_end)) != 0) {
+  if (whole_end < size && ftruncate(file_.get(), static_cast<off_t>(whole_end)) != 0) {
     return tl::unexpected(IoError("truncate", path_, errno));
   }
   used_ = whole_end;

@@ -6,6 +6,7 @@
 // neither stale blocks nor content that looks like a record is taken for one.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -75,8 +76,8 @@ class Segment {
   std::filesystem::path path_;
   uint64_t id_;
   FileDescriptor file_;
-  uint64_t capacity_ = 0;  // of the mapping
-  uint64_t used_ = 0;
+  uint64_t capacity_ = 0;          // of the mapping
+  std::atomic<uint64_t> used_{0};  // written by the appending thread, read by all
   std::byte* mapping_ = nullptr;
 };
 
