@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"MonitorWithoutRun", {"monitor", "--run-dir", "/no/such/run"}, 1, "holds no run"},
         BadInput{"JoinWithoutConfig", {"actor", "--join", "10.0.0.1"}, 2, "--config is needed"},
         BadInput{"JoinBadPort", {"actor", "--join", "10.0.0.1:99999"}, 2, "10.0.0.1:99999"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& test) { return test.param.name; });
 
 TEST(BadInput, CorruptPolicyIsNamed) {
   const TemporaryFolder folder;

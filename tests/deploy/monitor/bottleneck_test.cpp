@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
              Row(kA, Activity::kWork, 0), "learner: it computes 98 %"},
         Case{"Balanced", Row(kL, Activity::kWaitForBatch, 0.12), Row(kR, Activity::kWaitForCredits, 0.6),
              Row(kA, Activity::kWaitForReplay, 0.05), "none stands out"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& test) { return test.param.name; });
 
 TEST(DescribeBottleneck, SaysWhoIsMissing) {
   const Config config;
