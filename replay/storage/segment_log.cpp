@@ -66,7 +66,9 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   }
   if (error) return tl::unexpected(IoError("list", options_.directory, error.value()));
   std::sort(files.begin(), files.end());
-  MutexLock lock(mutex_);
+  // Not under the lock: the visitor takes its own, and others call us under theirs.
+  std::deque<std::shared_ptr<Segment>> segments;
+  uint64_t bytes = 0;
   for (const auto& [id, path] : files) {
     next_id_ = id + 1;
     DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, Segment::Open(path, id, options_.schema));
@@ -86,9 +88,12 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
     ++recovery.segments;
     recovery.records += scan.records;
     recovery.bytes += segment->bytes();
-    bytes_ += segment->bytes();
-    segments_.push_back(segment);
+    bytes += segment->bytes();
+    segments.push_back(segment);
   }
+  MutexLock lock(mutex_);
+  segments_ = std::move(segments);
+  bytes_ = bytes;
   return {};
 }
 
