@@ -24,6 +24,7 @@ int ReportParseError(const CLI::App& app, const CLI::ParseError& error) {
 bool RefuseUnknownCommand(int argc, char** argv, const std::vector<Command>& commands) {
   if (argc < 2 || argv[1][0] == '-') return false;
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const Command& command : commands) names.push_back(command.app->get_name());
   if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return false;
   fmt::print(stderr, "dadrl: unknown command '{}'; the nearest is '{}' (there are: {})\n", argv[1],
