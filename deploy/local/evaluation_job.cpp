@@ -151,18 +151,35 @@ void EvaluationJob::Gather(Worker& worker, const ExitStatus& status) {
     ++done;
   }
   if (done == worker.slice.count) return;
+  HandleDeath(worker, status, done);
+}
+
+void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, int done) {
+  const EvaluationSlice rest = Rest(worker.slice, done);
   const bool refused = !status.signaled && status.value == 2;
-  if (!refused && worker.attempts < kMaxAttempts) {
-    waiting_.push_back({Rest(worker.slice, done), worker.attempts});
+  // One retry for each episode: progress starts the count anew.
+  const int attempts = done > 0 ? 1 : worker.attempts;
+  if (!refused && attempts < kMaxAttempts) {
+    waiting_.push_back({rest, attempts});
     return;
   }
   const std::vector<std::string> log = LogTail(PathOf(worker.log), kTailLines);
+  if (status.signaled) {
+    // The simulator aborts on this traffic: the episode is lost, the evaluation is not.
+    EvaluatedEpisode lost;
+    lost.group = rest.group;
+    lost.summary.seed = rest.first_seed;
+    lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(),
+                             log.empty() ? "" : WithoutStamp(log.back()));
+    episodes_.push_back(std::move(lost));
+    if (rest.count > 1) waiting_.push_back({Rest(rest, 1), 0});
+    return;
+  }
   if (refused && !log.empty()) {
     error_ = Error{ErrorCode::kInvalidArgument, WithoutStamp(log.back())};
     return;
   }
-  std::string message = fmt::format("evaluation failed at seed {} ({})", Rest(worker.slice, done).first_seed,
-                                    status.Describe());
+  std::string message = fmt::format("evaluation failed at seed {} ({})", rest.first_seed, status.Describe());
   for (const std::string& line : log) message += "\n  | " + line;
   error_ = Error{ErrorCode::kInternal, std::move(message)};
 }

@@ -57,8 +57,9 @@ class EvaluationJob {
   int planned_episodes() const { return planned_; }
   std::vector<pid_t> RunningPids() const;
 
-  // After done(): the report, or why there is none. A process that died is given its remaining episodes once
-  // more; if that fails too, the error shows the end of what it logged.
+  // After done(): the report, or why there is none. Episodes that a process left undone are tried once more.
+  // One that kills its process twice is reported as lost; an error that comes twice ends the evaluation and
+  // shows the end of what was logged.
   Result<EvaluationReport> TakeReport();
 
  private:
@@ -78,6 +79,8 @@ class EvaluationJob {
   Result<Worker> Launch(const Waiting& next) const;
   // Takes over the episodes of an ended worker; queues or reports what is missing.
   void Gather(Worker& worker, const ExitStatus& status);
+  // The worker ended after `done` of its episodes.
+  void HandleDeath(const Worker& worker, const ExitStatus& status, int done);
 
   EvaluationPlan plan_;
   int planned_ = 0;

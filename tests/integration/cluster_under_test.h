@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "deploy/local/child_process.h"
+#include "deploy/local/log_tail.h"
 #include "tests/deploy/cli/run_command.h"
 
 namespace dadrl {
@@ -45,8 +46,17 @@ class ClusterUnderTest {
 
   const std::filesystem::path& run() const { return run_; }
   ChildProcess& launcher() { return *launcher_; }
-  // What the launcher said so far, for messages of failed expectations.
-  std::string Said() const { return "\n--- dadrl train said:\n" + FileText(log_); }
+  // What the launcher said so far and the ends of the processes' logs, for messages of failed expectations.
+  std::string Said() const {
+    std::string text = "\n--- dadrl train said:\n" + FileText(log_);
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(run_ / "logs", error)) {
+      if (entry.path().extension() != ".log") continue;
+      text += "--- " + entry.path().filename().string() + " ends:\n";
+      for (const std::string& line : LogTail(entry.path(), 8)) text += line + "\n";
+    }
+    return text;
+  }
 
   // Exit code once it has ended; -1 when it was killed or does not end within `seconds`.
   int WaitForEnd(int seconds) {

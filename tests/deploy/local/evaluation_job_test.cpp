@@ -107,6 +107,19 @@ TEST_F(EvaluationJobTest, GivesTheRestOfADeadProcessToAnother) {
   EXPECT_EQ(report->all.episodes, 6);
 }
 
+TEST_F(EvaluationJobTest, LosesTheEpisodeThatKillsItsProcessTwiceAndNoOther) {
+  EvaluationJob job = MakeJob(
+      "[ $seed = 1000002 ] && { echo $seed >> $folder/tries; kill -6 $$; }; cat $folder/line-$seed", 1, 6, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->all.episodes, 5);
+  ASSERT_EQ(report->lost, 1);
+  EXPECT_EQ(report->episodes[2].summary.seed, 1'000'002u);
+  EXPECT_THAT(report->episodes[2].error, HasSubstr("signal 6"));
+  EXPECT_EQ(FileText(folder_.path() / "tries"), "1000002\n1000002\n");
+}
+
 TEST_F(EvaluationJobTest, FailsWithTheLogOfAProcessThatDiesTwice) {
   EvaluationJob job =
       MakeJob("[ $seed = 1000003 ] && { echo out of luck >&2; exit 1; }; cat $folder/line-$seed", 1, 6, 2);
