@@ -37,8 +37,7 @@ StatusReporter::StatusReporter(TelemetryPublisher& publisher, Duration status_in
       source_(std::move(source)),
       started_(Now()),
       next_status_(started_),
-      moved_(started_),
-      next_notice_(started_) {}
+      moved_(started_) {}
 
 StatusReporter::~StatusReporter() {
   if (!thread_.joinable()) return;
@@ -99,10 +98,15 @@ void StatusReporter::PublishStatus(TimePoint now) {
 }
 
 void StatusReporter::NoticeWait(TimePoint now) {
-  if (now < next_notice_) return;
   const std::string whom = source_.waiting_for();
-  if (whom.empty()) return;
+  if (whom.empty()) {
+    if (!noticed_.empty()) spdlog::info("no longer waiting for {}", noticed_);
+    noticed_.clear();
+    return;
+  }
+  if (!noticed_.empty() && now < next_notice_) return;
   spdlog::info("waiting for {}", whom);
+  noticed_ = whom;
   next_notice_ = now + kWaitNotice;
 }
 

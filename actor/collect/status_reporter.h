@@ -23,8 +23,8 @@ class StatusReporter {
     std::function<void(ProcessStatus&)> fill;
     // A counter that moves whenever the loop does.
     std::function<uint64_t()> ticks;
-    // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged at once and
-    // then every kWaitNotice.
+    // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged at once,
+    // then every kWaitNotice, and when it is over.
     std::function<std::string()> waiting_for;
   };
 
@@ -60,6 +60,7 @@ class StatusReporter {
   TimePoint next_status_;
   TimePoint moved_;
   TimePoint next_notice_;
+  std::string noticed_;  // the wait that was logged, until it is over
   uint64_t last_ticks_ = 0;
   uint64_t beats_ = 0;
   bool hung_ = false;
