@@ -43,7 +43,7 @@ Status DrivingEnvironment::Reset(uint64_t seed) {
   controller_.Reset();
   localizer_.Reset();
   location_ = localizer_.Locate(ego.pose);
-  task_.Begin(seed, location_);
+  task_.Begin(config_.scenario, seed, location_);
   sensor_.Reset();
   sensor_.Update(world(), location_);
   last_step_ = {};

@@ -25,6 +25,7 @@ std::vector<EvaluatedEpisode> DriveEpisodes(DrivingEnvironment& environment, Dri
     if (const auto driven = DriveEpisode(environment, policy, planned.seed)) {
       episode.summary = *driven;
     } else {
+      episode.summary.scenario = environment.config().scenario;
       episode.summary.seed = planned.seed;
       episode.error = driven.error().message;
     }

@@ -1,5 +1,7 @@
 #include "actor/task/driving_task.h"
 
+#include "actor/task/collision_report.h"
+
 namespace dadrl {
 namespace {
 
@@ -11,8 +13,9 @@ Outcome OutcomeOf(const Events& events) {
 
 }  // namespace
 
-void DrivingTask::Begin(uint64_t seed, const EgoLocation& location) {
+void DrivingTask::Begin(const std::string& scenario, uint64_t seed, const EgoLocation& location) {
   summary_ = EpisodeSummary{};
+  summary_.scenario = scenario;
   summary_.seed = seed;
   reward_.Begin(location.remaining);
   metrics_.Begin();
@@ -40,6 +43,7 @@ TaskStep DrivingTask::Judge(const WorldState& world, const EgoLocation& location
   step.truncated = !step.terminated && summary_.steps >= config_.max_steps;
   if (step.ended()) {
     summary_.outcome = OutcomeOf(events);
+    if (events.collision) summary_.collision = DescribeCollision(world, location, map_);
     metrics_.Finish(config_.max_steps, summary_);
   }
   return step;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "actor/sensing/localization.h"
 #include "actor/sim/world_state.h"
@@ -21,14 +22,14 @@ struct TaskStep {
   bool ended() const { return terminated || truncated; }
 };
 
-// Borrows map and route. Not thread safe; allocates nothing.
+// Borrows map and route. Not thread safe; a step allocates nothing unless it ends in a collision.
 class DrivingTask {
  public:
   DrivingTask(const RoadMap& map, const Route& route, const TaskConfig& config)
-      : config_(config), detector_(map, route), reward_(config.reward), metrics_(map) {}
+      : map_(map), config_(config), detector_(map, route), reward_(config.reward), metrics_(map) {}
 
-  // The episode of `seed` starts at `location`.
-  void Begin(uint64_t seed, const EgoLocation& location);
+  // The episode of `seed` in `scenario` starts at `location`.
+  void Begin(const std::string& scenario, uint64_t seed, const EgoLocation& location);
   // The scene after one more simulation step. Not after a step that ended the episode.
   TaskStep Step(const WorldState& world, const EgoLocation& location);
   // The same for a step in which SUMO's driver took the ego out of the network: to the goal, or else
@@ -41,6 +42,7 @@ class DrivingTask {
  private:
   TaskStep Judge(const WorldState& world, const EgoLocation& location, const Events& events);
 
+  const RoadMap& map_;
   TaskConfig config_;
   EventDetector detector_;
   RewardFunction reward_;

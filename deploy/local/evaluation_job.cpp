@@ -168,6 +168,7 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
     // The simulator aborts on this traffic: the episode is lost, the evaluation is not.
     EvaluatedEpisode lost;
     lost.group = rest.group;
+    lost.summary.scenario = plan_.scenario;
     lost.summary.seed = rest.first_seed;
     lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(),
                              log.empty() ? "" : WithoutStamp(log.back()));

@@ -87,7 +87,7 @@ std::string ReportLine(const EvaluationReport& report) {
   return fmt::format(
       "success {:.1f} % [{:.1f}, {:.1f}], collision {:.1f} %, off-road {:.1f} %, stagnation {:.1f} % "
       "of {} unseen episodes",
-      100 * all.success, 100 * report.success_ci95.first, 100 * report.success_ci95.second,
+      100 * all.success, 100 * all.success_ci95.first, 100 * all.success_ci95.second,
       100 * all.collision, 100 * all.off_road, 100 * all.stagnation, all.episodes);
 }
 

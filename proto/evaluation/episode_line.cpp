@@ -6,6 +6,33 @@
 #include "proto/evaluation/summary_fields.h"
 
 namespace dadrl {
+namespace {
+
+nlohmann::ordered_json CollisionJson(const CollisionSummary& collision) {
+  return {{"kind", CollisionKind(collision)},
+          {"side", ContactSideName(collision.side)},
+          {"ego_speed_mps", collision.ego_speed_mps},
+          {"other_speed_mps", collision.other_speed_mps},
+          {"relative_heading_rad", collision.relative_heading_rad},
+          {"junction", collision.junction},
+          {"lane_changer", LaneChangerName(collision.lane_changer)}};
+}
+
+Result<CollisionSummary> ParseCollision(const nlohmann::json& json) {
+  const auto side = ContactSideFromName(json.at("side").get<std::string>());
+  const auto changer = LaneChangerFromName(json.at("lane_changer").get<std::string>());
+  if (!side || !changer) {
+    return Fail(ErrorCode::kCorrupt, "an episode line has the unknown collision {}", json.dump());
+  }
+  return CollisionSummary{.side = *side,
+                          .ego_speed_mps = json.at("ego_speed_mps").get<double>(),
+                          .other_speed_mps = json.at("other_speed_mps").get<double>(),
+                          .relative_heading_rad = json.at("relative_heading_rad").get<double>(),
+                          .junction = json.at("junction").get<bool>(),
+                          .lane_changer = *changer};
+}
+
+}  // namespace
 
 Result<std::vector<PlannedEpisode>> PlanEpisodes(uint64_t first_seed, int groups, int episodes) {
   if (first_seed < kFirstEvaluationSeed) {
@@ -41,6 +68,7 @@ std::string EpisodeLine(const EvaluatedEpisode& episode) {
   nlohmann::ordered_json json;
   json["group"] = episode.group;
   json["seed"] = episode.summary.seed;
+  json["scenario"] = episode.summary.scenario;
   if (episode.lost()) {
     json["error"] = episode.error;
     return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -48,6 +76,7 @@ std::string EpisodeLine(const EvaluatedEpisode& episode) {
   json["outcome"] = OutcomeName(episode.summary.outcome);
   json["steps"] = episode.summary.steps;
   for (const SummaryField& field : kSummaryFields) json[field.name] = episode.summary.*field.value;
+  if (episode.summary.collision) json["crash"] = CollisionJson(*episode.summary.collision);
   return json.dump();
 }
 
@@ -57,6 +86,7 @@ Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {
     EvaluatedEpisode episode;
     json.at("group").get_to(episode.group);
     json.at("seed").get_to(episode.summary.seed);
+    json.at("scenario").get_to(episode.summary.scenario);
     if (json.contains("error")) {
       json.at("error").get_to(episode.error);
       if (!episode.lost()) return Fail(ErrorCode::kCorrupt, "an episode line has an empty error");
@@ -69,6 +99,9 @@ Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {
     json.at("steps").get_to(episode.summary.steps);
     for (const SummaryField& field : kSummaryFields) {
       episode.summary.*field.value = json.at(field.name).get<double>();
+    }
+    if (json.contains("crash")) {
+      DADRL_ASSIGN_OR_RETURN(episode.summary.collision, ParseCollision(json.at("crash")));
     }
     return episode;
   } catch (const nlohmann::json::exception& error) {

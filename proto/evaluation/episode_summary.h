@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+
+#include "proto/evaluation/collision_summary.h"
 
 namespace dadrl {
 
@@ -15,6 +18,7 @@ std::string_view OutcomeName(Outcome outcome);
 std::optional<Outcome> OutcomeFromName(std::string_view name);
 
 struct EpisodeSummary {
+  std::string scenario;
   uint64_t seed = 0;
   Outcome outcome = Outcome::kStagnation;
   int steps = 0;                // simulation steps of 0.1 s
@@ -30,6 +34,7 @@ struct EpisodeSummary {
   double distance_to_destination = 0.0;
   double time_cost = 0.0;
   double overall_score = 0.0;
+  std::optional<CollisionSummary> collision;  // of an episode that ended in one
 
   bool operator==(const EpisodeSummary&) const = default;
 };

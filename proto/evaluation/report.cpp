@@ -19,18 +19,20 @@ EvaluationFigures FiguresOf(const std::vector<const EpisodeSummary*>& episodes) 
   figures.episodes = static_cast<int>(episodes.size());
   if (episodes.empty()) return figures;
   const auto n = static_cast<double>(episodes.size());
-  const auto rate = [&](Outcome outcome) {
-    return static_cast<double>(std::ranges::count(episodes, outcome, &EpisodeSummary::outcome)) / n;
+  const auto measure = [&](Outcome outcome, double& rate, std::pair<double, double>& interval) {
+    const auto count = static_cast<int>(std::ranges::count(episodes, outcome, &EpisodeSummary::outcome));
+    rate = count / n;
+    interval = WilsonInterval(count, figures.episodes);
   };
   const auto mean = [&](double EpisodeSummary::*field) {
     double sum = 0.0;
     for (const EpisodeSummary* episode : episodes) sum += episode->*field;
     return sum / n;
   };
-  figures.success = rate(Outcome::kSuccess);
-  figures.collision = rate(Outcome::kCollision);
-  figures.off_road = rate(Outcome::kOffRoad);
-  figures.stagnation = rate(Outcome::kStagnation);
+  measure(Outcome::kSuccess, figures.success, figures.success_ci95);
+  measure(Outcome::kCollision, figures.collision, figures.collision_ci95);
+  measure(Outcome::kOffRoad, figures.off_road, figures.off_road_ci95);
+  measure(Outcome::kStagnation, figures.stagnation, figures.stagnation_ci95);
   figures.mean_return = mean(&EpisodeSummary::episode_return);
   figures.mean_speed_mps = mean(&EpisodeSummary::mean_speed_mps);
   figures.humanness_error = mean(&EpisodeSummary::humanness_error);
@@ -47,16 +49,12 @@ EvaluationFigures FiguresOf(const std::vector<const EpisodeSummary*>& episodes) 
   return figures;
 }
 
-std::pair<double, double> IntervalOf(double rate, int episodes) {
-  return WilsonInterval(static_cast<int>(rate * episodes + 0.5), episodes);
-}
-
 }  // namespace
 
 EvaluationReport MakeReport(std::string scenario, std::string policy,
                             std::vector<EvaluatedEpisode> episodes) {
   std::ranges::sort(episodes, {}, [](const EvaluatedEpisode& episode) {
-    return std::tuple(episode.group, episode.summary.seed);
+    return std::tie(episode.group, episode.summary.seed, episode.summary.scenario);
   });
   EvaluationReport report;
   report.scenario = std::move(scenario);
@@ -82,10 +80,14 @@ EvaluationReport MakeReport(std::string scenario, std::string policy,
     begin = end;
   }
   report.all = FiguresOf(all);
-  report.success_ci95 = IntervalOf(report.all.success, report.all.episodes);
-  report.collision_ci95 = IntervalOf(report.all.collision, report.all.episodes);
-  report.off_road_ci95 = IntervalOf(report.all.off_road, report.all.episodes);
-  report.stagnation_ci95 = IntervalOf(report.all.stagnation, report.all.episodes);
+  std::map<std::string, std::vector<const EpisodeSummary*>> by_scenario;
+  for (const EpisodeSummary* episode : all) {
+    by_scenario[episode->scenario].push_back(episode);
+    if (episode->collision) ++report.collision_kinds[std::string(CollisionKind(*episode->collision))];
+  }
+  if (by_scenario.size() > 1) {
+    for (const auto& [name, driven] : by_scenario) report.per_scenario.push_back({name, FiguresOf(driven)});
+  }
   return report;
 }
 

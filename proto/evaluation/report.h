@@ -2,6 +2,7 @@
 // section 3: `dadrl evaluate`).
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,9 @@ struct EvaluationFigures {
   double distance_to_destination = 0.0;
   double time_cost = 0.0;
   double overall_score = 0.0;
+  // Wilson, 95 %, of the rates.
+  std::pair<double, double> success_ci95{0, 1}, collision_ci95{0, 1}, off_road_ci95{0, 1},
+      stagnation_ci95{0, 1};
 };
 
 struct SeedGroupReport {
@@ -36,31 +40,31 @@ struct SeedGroupReport {
   EvaluationFigures figures;
 };
 
+struct ScenarioReport {
+  std::string scenario;
+  EvaluationFigures figures;
+};
+
 struct EvaluationReport {
   std::string scenario;
   std::string policy;
   EvaluationFigures all;
-  // Wilson, 95 %, of the rates in `all`.
-  std::pair<double, double> success_ci95, collision_ci95, off_road_ci95, stagnation_ci95;
-  std::vector<SeedGroupReport> per_seed;  // by group
-  // Every episode by (group, seed), lost ones included: these count in no rate.
+  std::map<std::string, int> collision_kinds;  // CollisionKind: how many
+  std::vector<SeedGroupReport> per_seed;       // by group
+  std::vector<ScenarioReport> per_scenario;    // by name; empty when all are of one scenario
+  // Every episode by (group, seed, scenario), lost ones included: these count in no rate.
   std::vector<EvaluatedEpisode> episodes;
   int lost = 0;
 };
 
-// The same report whatever order the episodes came in.
+// The same report whatever order the episodes came in. `scenario` is a name or "all".
 EvaluationReport MakeReport(std::string scenario, std::string policy, std::vector<EvaluatedEpisode> episodes);
 
 // One JSON object without a line break; the keys of design section 3 and more.
 std::string ReportJson(const EvaluationReport& report);
 // A few lines of text for a terminal, line break at the end.
 std::string ReportTable(const EvaluationReport& report);
-// A row an episode, with a header line: also the format of a run's episodes.csv.
+// A row an episode, with a header line.
 std::string ReportCsv(const EvaluationReport& report);
-
-// The pieces of ReportCsv, with line breaks.
-std::string EpisodeCsvHeader();
-std::string EpisodeCsvRow(const std::string& scenario, const std::string& policy,
-                          const EvaluatedEpisode& episode);
 
 }  // namespace dadrl

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +12,10 @@ namespace dadrl {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Json IntervalJson(std::pair<double, double> interval) {
+  return Json::array({interval.first, interval.second});
+}
 
 void AddFigures(const EvaluationFigures& figures, Json& json) {
   json["episodes"] = figures.episodes;
@@ -28,10 +34,10 @@ void AddFigures(const EvaluationFigures& figures, Json& json) {
   json["distance_to_destination"] = figures.distance_to_destination;
   json["time_cost"] = figures.time_cost;
   json["overall_score"] = figures.overall_score;
-}
-
-Json IntervalJson(std::pair<double, double> interval) {
-  return Json::array({interval.first, interval.second});
+  json["success_ci95"] = IntervalJson(figures.success_ci95);
+  json["collision_ci95"] = IntervalJson(figures.collision_ci95);
+  json["off_road_ci95"] = IntervalJson(figures.off_road_ci95);
+  json["stagnation_ci95"] = IntervalJson(figures.stagnation_ci95);
 }
 
 std::string Percent(double rate) { return fmt::format("{:.1f}", 100 * rate); }
@@ -50,6 +56,27 @@ std::string FiguresRow(const std::string& name, const EvaluationFigures& figures
                      fmt::format("{:.3f}", figures.overall_score));
 }
 
+// "collisions: 3 crossing, 1 ran_into", the most frequent first; empty without collisions.
+std::string KindsLine(const std::map<std::string, int>& kinds) {
+  std::vector<std::pair<std::string, int>> rows(kinds.begin(), kinds.end());
+  std::ranges::stable_sort(rows, std::ranges::greater(), &std::pair<std::string, int>::second);
+  std::string text;
+  for (const auto& [kind, count] : rows) {
+    text += fmt::format("{} {} {}", text.empty() ? "collisions:" : ",", count, kind);
+  }
+  return text.empty() ? text : text + '\n';
+}
+
+constexpr std::string_view kCollisionColumns =
+    ",collision_kind,contact_side,ego_speed_mps,other_speed_mps,relative_heading_rad,junction,lane_changer";
+
+std::string CollisionColumns(const std::optional<CollisionSummary>& collision) {
+  if (!collision) return std::string(static_cast<size_t>(std::ranges::count(kCollisionColumns, ',')), ',');
+  return fmt::format(",{},{},{},{},{},{},{}", CollisionKind(*collision), ContactSideName(collision->side),
+                     collision->ego_speed_mps, collision->other_speed_mps, collision->relative_heading_rad,
+                     collision->junction, LaneChangerName(collision->lane_changer));
+}
+
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -59,6 +86,28 @@ std::string Quoted(const std::string& text) {
   return quoted + '"';
 }
 
+std::string CsvHeader() {
+  std::string text = "scenario,policy,group,seed,outcome,steps";
+  for (const SummaryField& field : kSummaryFields) text += fmt::format(",{}", field.name);
+  return text.append(kCollisionColumns) + ",error\n";
+}
+
+std::string CsvRow(const std::string& policy, const EvaluatedEpisode& episode) {
+  std::string text = fmt::format("{},{},{},{},", episode.summary.scenario, Quoted(policy), episode.group,
+                                 episode.summary.seed);
+  if (episode.lost()) {
+    text += std::string(kSummaryFields.size() + 1, ',') + CollisionColumns(std::nullopt) + ',' +
+            Quoted(episode.error);
+  } else {
+    text += fmt::format("{},{}", OutcomeName(episode.summary.outcome), episode.summary.steps);
+    for (const SummaryField& field : kSummaryFields) {
+      fmt::format_to(std::back_inserter(text), ",{}", episode.summary.*field.value);
+    }
+    text += CollisionColumns(episode.summary.collision) + ',';
+  }
+  return text + '\n';
+}
+
 }  // namespace
 
 std::string ReportJson(const EvaluationReport& report) {
@@ -66,10 +115,7 @@ std::string ReportJson(const EvaluationReport& report) {
   json["scenario"] = report.scenario;
   json["policy"] = report.policy;
   AddFigures(report.all, json);
-  json["success_ci95"] = IntervalJson(report.success_ci95);
-  json["collision_ci95"] = IntervalJson(report.collision_ci95);
-  json["off_road_ci95"] = IntervalJson(report.off_road_ci95);
-  json["stagnation_ci95"] = IntervalJson(report.stagnation_ci95);
+  json["collision_kinds"] = report.collision_kinds;
   json["lost_episodes"] = report.lost;
   json["per_seed"] = Json::array();
   for (const SeedGroupReport& group : report.per_seed) {
@@ -77,6 +123,12 @@ std::string ReportJson(const EvaluationReport& report) {
     row["first_seed"] = group.first_seed;
     AddFigures(group.figures, row);
     json["per_seed"].push_back(std::move(row));
+  }
+  for (const ScenarioReport& scenario : report.per_scenario) {
+    Json row;
+    row["scenario"] = scenario.scenario;
+    AddFigures(scenario.figures, row);
+    json["per_scenario"].push_back(std::move(row));
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -89,43 +141,23 @@ std::string ReportTable(const EvaluationReport& report) {
   for (const SeedGroupReport& group : report.per_seed) {
     text += FiguresRow(fmt::format("seed {}", group.first_seed), group.figures);
   }
+  for (const ScenarioReport& scenario : report.per_scenario) {
+    text += FiguresRow(scenario.scenario, scenario.figures);
+  }
   text += FiguresRow("all", report.all);
-  text += fmt::format(kRow, "95 % interval", PercentRange(report.success_ci95),
-                      PercentRange(report.collision_ci95), PercentRange(report.off_road_ci95),
-                      PercentRange(report.stagnation_ci95), "", "", "error", "score");
+  text += fmt::format(kRow, "95 % interval", PercentRange(report.all.success_ci95),
+                      PercentRange(report.all.collision_ci95), PercentRange(report.all.off_road_ci95),
+                      PercentRange(report.all.stagnation_ci95), "", "", "error", "score");
+  text += KindsLine(report.collision_kinds);
   if (report.lost > 0) {
     text += fmt::format("{} episodes were lost to the simulator and count in no figure.\n", report.lost);
   }
   return text;
 }
 
-std::string EpisodeCsvHeader() {
-  std::string text = "scenario,policy,group,seed,outcome,steps";
-  for (const SummaryField& field : kSummaryFields) text += fmt::format(",{}", field.name);
-  return text + ",error\n";
-}
-
-std::string EpisodeCsvRow(const std::string& scenario, const std::string& policy,
-                          const EvaluatedEpisode& episode) {
-  std::string text =
-      fmt::format("{},{},{},{},", scenario, Quoted(policy), episode.group, episode.summary.seed);
-  if (episode.lost()) {
-    text += std::string(kSummaryFields.size() + 2, ',') + Quoted(episode.error);
-  } else {
-    text += fmt::format("{},{}", OutcomeName(episode.summary.outcome), episode.summary.steps);
-    for (const SummaryField& field : kSummaryFields) {
-      fmt::format_to(std::back_inserter(text), ",{}", episode.summary.*field.value);
-    }
-    text += ',';
-  }
-  return text + '\n';
-}
-
 std::string ReportCsv(const EvaluationReport& report) {
-  std::string text = EpisodeCsvHeader();
-  for (const EvaluatedEpisode& episode : report.episodes) {
-    text += EpisodeCsvRow(report.scenario, report.policy, episode);
-  }
+  std::string text = CsvHeader();
+  for (const EvaluatedEpisode& episode : report.episodes) text += CsvRow(report.policy, episode);
   return text;
 }
 

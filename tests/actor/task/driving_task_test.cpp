@@ -11,7 +11,7 @@ class DrivingTaskTest : public testing::Test {
  protected:
   void Begin(double x) {
     localizer_.Reset();
-    task_.Begin(42, localizer_.Locate({{x, 0}, 0.0}));
+    task_.Begin("somewhere", 42, localizer_.Locate({{x, 0}, 0.0}));
   }
   TaskStep Step(double x, double y = 0.0, double speed = 10.0) {
     const WorldState world = test::WorldWithEgo(x, y, 0.0, speed);
@@ -38,7 +38,9 @@ TEST_F(DrivingTaskTest, ReachingTheGoalEndsInSuccessWithTheReturnOfEveryTerm) {
   EXPECT_TRUE(last.terminated);
   EXPECT_FALSE(last.truncated);
   const EpisodeSummary& summary = task_.summary();
+  EXPECT_EQ(summary.scenario, "somewhere");
   EXPECT_EQ(summary.seed, 42U);
+  EXPECT_FALSE(summary.collision);
   EXPECT_EQ(summary.outcome, Outcome::kSuccess);
   EXPECT_EQ(summary.steps, 3);
   EXPECT_NEAR(summary.episode_return, 3.0 + 2.0 * 0.031 + 3 * 0.01, 1e-9);
@@ -76,6 +78,8 @@ TEST_F(DrivingTaskTest, ContactEndsTheEpisodeEvenAtTheGoal) {
   world.vehicles = {test::Vehicle(0, 112, 0)};
   EXPECT_TRUE(task_.Step(world, localizer_.Locate(world.ego.pose)).terminated);
   EXPECT_EQ(task_.summary().outcome, Outcome::kCollision);
+  ASSERT_TRUE(task_.summary().collision);
+  EXPECT_EQ(task_.summary().collision->side, ContactSide::kFront);
   EXPECT_LT(task_.summary().episode_return, 0.0);
 }
 
@@ -96,6 +100,7 @@ TEST_F(DrivingTaskTest, ANewEpisodeStartsFromZero) {
   Begin(20);
   Step(21);
   EXPECT_EQ(task_.summary().steps, 1);
+  EXPECT_FALSE(task_.summary().collision);
   EXPECT_NEAR(task_.summary().episode_return, 0.03, 1e-9);
 }
 

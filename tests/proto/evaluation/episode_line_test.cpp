@@ -12,6 +12,7 @@ namespace {
 EvaluatedEpisode Sample() {
   EvaluatedEpisode episode;
   episode.group = 3;
+  episode.summary.scenario = "left_turn";
   episode.summary.seed = 18446744073709551615ULL;
   episode.summary.outcome = Outcome::kOffRoad;
   episode.summary.steps = 123;
@@ -37,9 +38,28 @@ TEST(EpisodeLine, RoundTripsExactlyOnOneLine) {
   EXPECT_EQ(*parsed, Sample());
 }
 
+TEST(EpisodeLine, ACollisionTravelsWithIt) {
+  EvaluatedEpisode episode = Sample();
+  episode.summary.outcome = Outcome::kCollision;
+  episode.summary.collision = CollisionSummary{.side = ContactSide::kRear,
+                                               .ego_speed_mps = 10.0 / 3.0,
+                                               .other_speed_mps = 7.7,
+                                               .relative_heading_rad = -0.1,
+                                               .junction = true,
+                                               .lane_changer = LaneChanger::kOther};
+  std::string line = EpisodeLine(episode);
+  const auto parsed = ParseEpisodeLine(line);
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ(*parsed, episode);
+  EXPECT_NE(line.find(R"("kind":"rear_ended")"), std::string::npos);
+  line.replace(line.find(R"("rear")"), 6, R"("roof")");
+  EXPECT_FALSE(ParseEpisodeLine(line));
+}
+
 TEST(EpisodeLine, ALostEpisodeKeepsItsErrorWhateverBytesItHas) {
   EvaluatedEpisode lost;
   lost.group = 1;
+  lost.summary.scenario = "left_turn";
   lost.summary.seed = 7;
   lost.error = "vehicle 'a\"b'\nvanished";
   const auto parsed = ParseEpisodeLine(EpisodeLine(lost));
@@ -54,9 +74,10 @@ TEST(EpisodeLine, RefusesWhatIsNotOne) {
   const std::string good = EpisodeLine(Sample());
   for (const std::string& bad :
        {std::string(), std::string("{}"), std::string("[1]"), good.substr(0, good.size() / 2),
-        std::string(R"({"group":0,"seed":1,"outcome":"flew","steps":1})"),
-        std::string(R"({"group":0,"seed":1,"error":""})"),
-        std::string(R"({"group":0,"seed":1,"outcome":"success","steps":"many"})")}) {
+        std::string(R"({"group":0,"seed":1,"scenario":"s","outcome":"flew","steps":1})"),
+        std::string(R"({"group":0,"seed":1,"scenario":"s","error":""})"),
+        std::string(R"({"group":0,"seed":1,"error":"lost"})"),
+        std::string(R"({"group":0,"seed":1,"scenario":"s","outcome":"success","steps":"many"})")}) {
     const auto parsed = ParseEpisodeLine(bad);
     ASSERT_FALSE(parsed) << bad;
     EXPECT_EQ(parsed.error().code, ErrorCode::kCorrupt);

@@ -16,6 +16,7 @@ namespace {
 EvaluatedEpisode Episode(int group, uint64_t seed, Outcome outcome, int steps, double episode_return) {
   EvaluatedEpisode episode;
   episode.group = group;
+  episode.summary.scenario = "left_turn";
   episode.summary.seed = seed;
   episode.summary.outcome = outcome;
   episode.summary.steps = steps;
@@ -28,6 +29,7 @@ EvaluatedEpisode Episode(int group, uint64_t seed, Outcome outcome, int steps, d
 std::vector<EvaluatedEpisode> Sample() {
   EvaluatedEpisode lost;
   lost.group = 1;
+  lost.summary.scenario = "left_turn";
   lost.summary.seed = 1'001'002;
   lost.error = "a vehicle, \"b\", vanished";
   return {Episode(0, 1'000'000, Outcome::kSuccess, 100, 5.0),
@@ -47,7 +49,7 @@ TEST(EvaluationReport, RatesMeansAndGroupsAreThoseOfTheEpisodes) {
   EXPECT_DOUBLE_EQ(report.all.mean_return, 2.5);
   EXPECT_DOUBLE_EQ(report.all.median_steps, 150);
   EXPECT_DOUBLE_EQ(report.all.humanness_error, 0.25);
-  EXPECT_EQ(report.success_ci95, WilsonInterval(2, 4));
+  EXPECT_EQ(report.all.success_ci95, WilsonInterval(2, 4));
   ASSERT_EQ(report.per_seed.size(), 2U);
   EXPECT_EQ(report.per_seed[1].first_seed, 1'001'000U);
   EXPECT_EQ(report.per_seed[1].figures.episodes, 2);
@@ -60,6 +62,41 @@ TEST(EvaluationReport, DoesNotDependOnTheOrderEpisodesFinishIn) {
   const std::string reference = ReportJson(MakeReport("s", "p", episodes));
   std::ranges::reverse(episodes);
   EXPECT_EQ(ReportJson(MakeReport("s", "p", episodes)), reference);
+}
+
+TEST(EvaluationReport, CountsCollisionsByKindTheMostFrequentFirst) {
+  std::vector<EvaluatedEpisode> episodes = Sample();
+  const CollisionSummary ran_into{.ego_speed_mps = 5.0};
+  const CollisionSummary crossing{.ego_speed_mps = 5.0, .relative_heading_rad = 1.5};
+  episodes[1].summary.collision = crossing;
+  for (uint64_t seed = 1'000'010; seed < 1'000'012; ++seed) {
+    episodes.push_back(Episode(0, seed, Outcome::kCollision, 10, -1.0));
+    episodes.back().summary.collision = ran_into;
+  }
+  const EvaluationReport report = MakeReport("left_turn", "rdm", episodes);
+  EXPECT_EQ(report.collision_kinds, (std::map<std::string, int>{{"crossing", 1}, {"ran_into", 2}}));
+  EXPECT_EQ(nlohmann::json::parse(ReportJson(report))["collision_kinds"]["ran_into"], 2);
+  EXPECT_THAT(ReportTable(report), testing::HasSubstr("collisions: 2 ran_into, 1 crossing\n"));
+  EXPECT_THAT(ReportCsv(report), testing::HasSubstr(",crossing,front,5,0,1.5,false,nobody,\n"));
+}
+
+TEST(EvaluationReport, SeveralScenariosHaveARowEach) {
+  std::vector<EvaluatedEpisode> episodes = Sample();
+  episodes.push_back(Episode(0, 1'000'000, Outcome::kCollision, 30, -1.0));
+  episodes.back().summary.scenario = "double_merge";
+  const EvaluationReport report = MakeReport("all", "p", episodes);
+  EXPECT_EQ(report.all.episodes, 5);
+  EXPECT_EQ(report.per_seed[0].figures.episodes, 3);
+  ASSERT_EQ(report.per_scenario.size(), 2U);
+  EXPECT_EQ(report.per_scenario[0].scenario, "double_merge");
+  EXPECT_EQ(report.per_scenario[0].figures.collision_ci95, WilsonInterval(1, 1));
+  EXPECT_EQ(report.per_scenario[1].figures.episodes, 4);
+  const auto json = nlohmann::json::parse(ReportJson(report));
+  EXPECT_EQ(json["per_scenario"][1]["scenario"], "left_turn");
+  EXPECT_EQ(json["per_scenario"][1]["success"], 0.5);
+  EXPECT_THAT(ReportTable(report), testing::HasSubstr("\ndouble_merge "));
+  EXPECT_THAT(ReportCsv(report), testing::HasSubstr("\ndouble_merge,\"p\",0,1000000,collision,"));
+  EXPECT_FALSE(nlohmann::json::parse(ReportJson(MakeReport("s", "p", Sample()))).contains("per_scenario"));
 }
 
 TEST(EvaluationReport, JsonHasTheKeysThatScriptsRelyOn) {
