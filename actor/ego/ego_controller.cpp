@@ -19,8 +19,10 @@ constexpr double kAlignment = std::numbers::pi / 3.0;
 // A lane change begins this far beside the path and is over this near to it.
 constexpr double kChangeBegins = 0.5;
 constexpr double kChangeEnds = 0.15;
-// The wheel's angle beyond what the path's own curve needs, in a lane change (paper code: 5 degrees).
+// The wheel's angle in a lane change on a straight (paper code: 5 degrees), and the curvature up to which a
+// road is one, 1/m. A limit in a bend would carry the ego off the road.
 constexpr double kChangeSteering = 5.0 * std::numbers::pi / 180.0;
+constexpr double kStraight = 1e-3;
 // Braking before a curve, m/s^2: nearly all there is, as the paper's controller does; and the lag with which
 // the speed follows its target, s.
 constexpr double kCurveBraking = 7.0;
@@ -97,9 +99,9 @@ double EgoController::Steer(const EgoState& ego, const Polyline::Projection& pro
   const Point target = ToLocal(ego.pose, line.At(projection.s + ahead));
   const double steering = std::atan(kWheelbase * 2.0 * target.y / Dot(target, target));
   if (!changing_lane_) return steering;
-  const double bend = WrapAngle(line.HeadingAt(projection.s + ahead) - line.HeadingAt(projection.s)) / ahead;
-  const double along = std::atan(kWheelbase * bend);
-  return std::clamp(steering, along - kChangeSteering, along + kChangeSteering);
+  const double turn = WrapAngle(line.HeadingAt(projection.s + ahead) - line.HeadingAt(projection.s));
+  if (std::abs(turn) > kStraight * ahead) return steering;
+  return std::clamp(steering, -kChangeSteering, kChangeSteering);
 }
 
 double EgoController::CurveSpeed(const EgoState& ego, const Polyline::Projection& projection) const {

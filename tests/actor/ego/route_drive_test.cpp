@@ -4,6 +4,7 @@
 #include "actor/ego/ego_controller.h"
 #include "actor/ego/ego_vehicle.h"
 #include "actor/sim/simulation.h"
+#include "common/util/random.h"
 
 namespace dadrl {
 namespace {
@@ -62,9 +63,36 @@ TEST_P(RouteDrive, TakesAboutItsLengthOverItsSpeed) {
   EXPECT_NEAR(Run(5.0).seconds, simulation_->route().length() / 5.0, 2.0);
 }
 
+class RoundaboutDrive : public RouteDrive {};
+
+TEST_P(RoundaboutDrive, LaneChangesOnAnyWhimStayOnTheRoad) {
+  for (uint64_t seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    EgoController controller(simulation_->map(), simulation_->route());
+    EgoVehicle vehicle;
+    const EgoState& start = simulation_->world().ego;
+    vehicle.Reset(start.pose, start.speed_mps);
+    double speed = 0.0;
+    int command = 0;
+    for (int step = 0; simulation_->route().Progress(vehicle.state().pose.position) < 0.9; ++step) {
+      if (step % 10 == 0) {
+        speed = random.Uniform(2.0, 10.0);
+        command = static_cast<int>(random.Below(3)) - 1;
+      }
+      const EgoCommand wish = controller.Control(vehicle.state(), speed, command);
+      vehicle.Step(wish.target_speed_mps, wish.target_steering_rad);
+      ASSERT_FALSE(simulation_->map().OffRoad(vehicle.state().pose.position))
+          << "seed " << seed << " step " << step;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenarios, RouteDrive,
                          testing::Values("left_turn", "roundabout_a", "roundabout_b", "roundabout_c",
                                          "double_merge"),
+                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Scenarios, RoundaboutDrive,
+                         testing::Values("roundabout_a", "roundabout_b", "roundabout_c"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
