@@ -12,6 +12,12 @@
 namespace dadrl {
 namespace {
 
+// A vehicle that moveToXY sets down across two lanes is registered on the second one too, and SUMO 1.15 never
+// takes that back: the traffic keeps braking for it there, and once the ego is off the road the next look at
+// it aborts the process (MSVehicle::getBackPositionOnLane). Less wide than SUMO's tolerance of 1 mm, the ego
+// is on one lane at a time. SUMO needs its width for nothing else here: contacts are judged outside it.
+constexpr double kDrivenEgoWidth = 0.001;
+
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 // A later value of the same name replaces the earlier.
@@ -47,15 +53,16 @@ void AppendType(std::string& xml, int index, const DriverType& type, const Profi
 void AppendEgo(std::string& xml, const EgoTraffic& ego) {
   // A driven ego brakes and keeps distance as the paper's simulator declares it to the traffic; SUMO's own
   // driver keeps SUMO's defaults.
-  const std::string driver =
-      ego.sumo_drives ? fmt::format(R"(maxSpeed="{}" impatience="{}")", ego.max_speed_mps, ego.impatience)
-                      : std::string(R"(decel="6" tau="4")");
+  const std::string driver = ego.sumo_drives
+                                 ? fmt::format(R"(width="{}" maxSpeed="{}" impatience="{}")", kVehicleWidth,
+                                               ego.max_speed_mps, ego.impatience)
+                                 : fmt::format(R"(width="{}" decel="6" tau="4")", kDrivenEgoWidth);
   fmt::format_to(std::back_inserter(xml),
-                 R"(<vType id="{0}" vClass="passenger" length="{1}" width="{2}" {3}/>)"
+                 R"(<vType id="{0}" vClass="passenger" length="{1}" {2}/>)"
                  "\n"
-                 R"(<route id="{0}" edges="{4}"/>)"
+                 R"(<route id="{0}" edges="{3}"/>)"
                  "\n",
-                 kEgoId, kVehicleLength, kVehicleWidth, driver, fmt::join(ego.edges, " "));
+                 kEgoId, kVehicleLength, driver, fmt::join(ego.edges, " "));
 }
 
 }  // namespace

@@ -42,11 +42,9 @@ class FailureTest : public testing::Test {
     });
   }
 
-  // The same process as before. SUMO may abort an actor at any time (docs/known_problems.md): not the subject
-  // here.
+  // The same process as before.
   bool WasLeftAlone(const json& after, const std::string& name) const {
-    return PidOf(after, name) == PidOf(*before_, name) ||
-           cluster_.Said().find(name + " ended with signal 6") != std::string::npos;
+    return PidOf(after, name) == PidOf(*before_, name);
   }
 
   TemporaryFolder folder_;

@@ -180,6 +180,44 @@ TEST(Simulation, EgoIsSeenByTheTraffic) {
   EXPECT_EQ(stopped_behind({-500.0, -500.0}), 0);
 }
 
+TEST(Simulation, EgoMayCutAcrossLanesIntoTheGreen) {
+  // Northwards across the main road, half on one lane and half on the next, with its tail still on the
+  // approach, then off the road: SUMO once kept it registered on a lane it had left, and aborted.
+  const auto simulation = Make("left_turn");
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    ASSERT_TRUE(simulation->Reset(seed));
+    EgoState ego;
+    ego.speed_mps = ego.velocity_lon = 3.0;
+    for (int step = 0; step < 60; ++step) {
+      ego.pose = {{44.7, 46.0 + 0.3 * step}, std::numbers::pi / 2};
+      const Status stepped = simulation->Step(ego);
+      ASSERT_TRUE(stepped) << stepped.error().message;
+    }
+  }
+}
+
+TEST(Simulation, EgoIsOnOneLaneAtATimeForTheTraffic) {
+  // It enters the left turners' target lane half on the lane beside, then drives in its middle: nobody on the
+  // lane beside may wait for it any longer.
+  const auto simulation = Make("left_turn");
+  ASSERT_TRUE(simulation->Reset(4));
+  EgoState ego;
+  ego.pose = {{20.0, 51.85}, std::numbers::pi};
+  ASSERT_TRUE(simulation->Step(ego));
+  ego.pose.position = {20.0, 53.6};
+  ASSERT_TRUE(simulation->Step(ego));
+  ego.pose.position = {20.0, 55.05};
+  int passed = 0;
+  for (int step = 0; step < 300; ++step) {
+    ASSERT_TRUE(simulation->Step(ego));
+    for (const SocialVehicle& vehicle : simulation->world().vehicles) {
+      const Point& at = vehicle.pose.position;
+      passed += step > 100 && std::abs(at.y - 51.85) < 1.0 && std::abs(at.x - 20.0) < 3.0;
+    }
+  }
+  EXPECT_GT(passed, 0);
+}
+
 TEST(Simulation, NothingGoesToStandardOutput) {
   testing::internal::CaptureStdout();
   {
