@@ -49,6 +49,13 @@ Files ListFiles(const std::filesystem::path& directory, std::string_view prefix,
   return files;
 }
 
+// The critics of a checkpoint whose algorithm has such a block.
+std::span<const float> CriticOf(const Checkpoint& checkpoint) {
+  const auto block = std::ranges::find(checkpoint.blocks, kCriticBlock, &Checkpoint::Block::name);
+  if (block == checkpoint.blocks.end()) return {};
+  return {reinterpret_cast<const float*>(block->bytes.data()), block->bytes.size() / sizeof(float)};
+}
+
 void SetAside(const std::filesystem::path& path, const Error& error) {
   std::filesystem::path aside = path;
   aside += ".corrupt";
@@ -77,7 +84,8 @@ Status CheckpointStore::Save(const Checkpoint& checkpoint) {
                                                               .policy_version = checkpoint.weights_version,
                                                               .updates = checkpoint.updates,
                                                               .config_yaml = checkpoint.config_yaml,
-                                                              .parameters = checkpoint.policy}));
+                                                              .parameters = checkpoint.policy,
+                                                              .critic = CriticOf(checkpoint)}));
   DADRL_RETURN_IF_ERROR(SaveCheckpoint(directory_ / CheckpointName(checkpoint.updates), checkpoint));
   DADRL_RETURN_IF_ERROR(LinkAtomically(directory_ / "latest", policy_name));
   Prune();

@@ -1,7 +1,7 @@
 // The checkpoints folder of a run: what is written there, what is kept, and which one a resumed run takes.
 //
 //   checkpoint-<updates>.ckpt  everything a resumed training needs
-//   policy-<updates>.dadrl     the policy of that checkpoint
+//   policy-<updates>.dadrl     the policy of that checkpoint, and its critics
 //   latest                     link to the newest policy
 //   *.ckpt.corrupt             damaged checkpoints that a resume has set aside
 #pragma once

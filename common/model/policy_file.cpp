@@ -17,7 +17,8 @@ namespace dadrl {
 namespace {
 
 constexpr std::string_view kMagic = "DADRLPOL";
-constexpr uint32_t kFormat = 1;
+constexpr uint32_t kFormat = 2;
+constexpr uint32_t kFormatWithoutCritic = 1;
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 constexpr std::string_view kRemedy = "take another policy file of the run's checkpoints folder";
 
@@ -25,20 +26,24 @@ std::string_view AsText(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+struct Content {
+  uint32_t format = 0;
+  std::span<const std::byte> bytes;  // between format and checksum
+};
+
 // Magic and format come before the checksum, so that a file that never was a policy is called so.
-Result<std::span<const std::byte>> CheckedContent(const std::filesystem::path& path,
-                                                  std::span<const std::byte> bytes) {
+Result<Content> CheckedContent(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   const std::string_view magic = AsText(reader.GetBytes(kMagic.size()));
   const auto format = reader.Get<uint32_t>();
   if (!reader.ok() || magic != kMagic) {
     return Fail(ErrorCode::kCorrupt, "{} is not a policy file: {}", path.string(), kRemedy);
   }
-  if (format != kFormat) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "{} is a policy file of format {}, this program reads format {}: use the program that wrote it",
-        path.string(), format, kFormat);
+  if (format != kFormat && format != kFormatWithoutCritic) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "{} is a policy file of format {}, this program reads formats {} and {}: use the program "
+                "that wrote it",
+                path.string(), format, kFormatWithoutCritic, kFormat);
   }
   constexpr size_t kHead = kMagic.size() + sizeof(uint32_t);
   const size_t length = std::max(bytes.size(), kHead + sizeof(uint64_t)) - sizeof(uint64_t);
@@ -47,14 +52,29 @@ Result<std::span<const std::byte>> CheckedContent(const std::filesystem::path& p
   if (!tail.ok() || checksum != Xxh3(bytes.first(length))) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged (checksum): {}", path.string(), kRemedy);
   }
-  return bytes.subspan(kHead, length - kHead);
+  return Content{format, bytes.subspan(kHead, length - kHead)};
+}
+
+void PutParameters(ByteWriter& writer, std::span<const float> parameters) {
+  writer.Put(static_cast<uint64_t>(parameters.size()));
+  writer.PutBytes(std::as_bytes(parameters));
+}
+
+std::vector<float> GetParameters(ByteReader& reader) {
+  const auto count = reader.Get<uint64_t>();
+  // A count that overflows the product must not look small.
+  const std::span<const std::byte> bytes =
+      reader.GetBytes(count > reader.remaining() ? UINT64_MAX : count * sizeof(float));
+  std::vector<float> parameters(bytes.size() / sizeof(float));
+  if (!parameters.empty()) std::memcpy(parameters.data(), bytes.data(), bytes.size());
+  return parameters;
 }
 
 }  // namespace
 
 Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy) {
   std::vector<std::byte> bytes;
-  bytes.reserve(policy.parameters.size_bytes() + policy.config_yaml.size() + 64);
+  bytes.reserve(policy.parameters.size_bytes() + policy.critic.size_bytes() + policy.config_yaml.size() + 64);
   ByteWriter writer(bytes);
   writer.PutBytes(std::as_bytes(std::span(kMagic)));
   writer.Put(kFormat);
@@ -62,30 +82,28 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
   writer.Put(policy.updates);
   writer.Put(policy.layout_hash);
   writer.PutText(policy.config_yaml);
-  writer.Put(static_cast<uint64_t>(policy.parameters.size()));
-  writer.PutBytes(std::as_bytes(policy.parameters));
+  PutParameters(writer, policy.parameters);
+  PutParameters(writer, policy.critic);
   writer.Put(Xxh3(bytes));
   return WriteFileAtomically(path, bytes);
 }
 
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
   DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxFileBytes));
-  DADRL_ASSIGN_OR_RETURN(const std::span<const std::byte> content, CheckedContent(path, bytes));
-  ByteReader reader(content);
+  DADRL_ASSIGN_OR_RETURN(const Content content, CheckedContent(path, bytes));
+  ByteReader reader(content.bytes);
   PolicyFile policy;
   policy.policy_version = reader.Get<uint32_t>();
   policy.updates = reader.Get<uint64_t>();
   policy.layout_hash = reader.Get<uint64_t>();
   const std::string config_yaml = reader.GetText();
-  const auto count = reader.Get<uint64_t>();
-  if (!reader.ok() || count > reader.remaining() / sizeof(float) ||
-      reader.remaining() != count * sizeof(float)) {
+  policy.parameters = GetParameters(reader);
+  if (content.format != kFormatWithoutCritic) policy.critic = GetParameters(reader);
+  if (!reader.ok() || reader.remaining() != 0) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged (lengths): {}", path.string(), kRemedy);
   }
   DADRL_RETURN_IF_ERROR(ParseYaml(config_yaml, path.string(), policy.config));
   DADRL_RETURN_IF_ERROR(Validate(policy.config));
-  policy.parameters.resize(count);
-  std::memcpy(policy.parameters.data(), reader.GetBytes(count * sizeof(float)).data(), count * sizeof(float));
   const auto bad = std::find_if_not(policy.parameters.begin(), policy.parameters.end(),
                                     [](float value) { return std::isfinite(value); });
   if (bad != policy.parameters.end()) {

@@ -2,7 +2,8 @@
 // `dadrl evaluate --policy` reads.
 //
 // File, little endian: "DADRLPOL" | u32 format | u32 policy version | u64 updates | u64 layout hash |
-// u32 length, configuration as YAML | u64 count, float32[count] | xxh3-64 of everything before.
+// u32 length, configuration as YAML | u64 count, float32[count] policy | u64 count, float32[count] critics
+// (not in format 1) | xxh3-64 of everything before.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,8 @@ struct PolicyFile {
   uint64_t updates = 0;         // training updates behind it
   Config config;                // of the training: observation, model, task and all else
   std::vector<float> parameters;
+  std::vector<float> critic;  // as of CriticNetwork::layout: nobody drives with it, `dadrl act` shows its
+                              // values; empty where there was none, or in a file of format 1
 };
 
 // What is saved, without a copy of the parameters.
@@ -31,13 +34,14 @@ struct PolicyToSave {
   uint64_t updates = 0;
   std::string config_yaml;  // ToYaml
   std::span<const float> parameters;
+  std::span<const float> critic;
 };
 
 // Atomic and durable; blocks on the disk. kExhausted when the disk is full: an earlier file stays.
 Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy);
 
 // kNotFound when there is no file, kCorrupt when it is damaged or not a policy, kInvalidArgument when another
-// version of the program wrote it. Parameters are finite. Blocks on the disk.
+// version of the program wrote it. The policy's parameters are finite. Blocks on the disk.
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path);
 
 // Whether `policy` fits networks with these parameters (of an ActingPolicy made from policy.config);

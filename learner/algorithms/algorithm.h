@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config/config.h"
@@ -24,6 +25,10 @@ struct UpdateStats {
   double mean_q = 0.0;
   double mean_target = 0.0;
 };
+
+// The state block with the critics' parameters, flat (CriticNetwork::layout), where an algorithm has critics:
+// policy files carry it too.
+constexpr std::string_view kCriticBlock = "critic";
 
 // A named span of the algorithm's state, saved and restored as raw bytes by the checkpoint.
 struct StateBlock {

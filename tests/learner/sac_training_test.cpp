@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "common/model/acting_policy.h"
+#include "common/model/critic_values.h"
 #include "common/model/policy_file.h"
 #include "tests/common/io/temporary_directory.h"
+#include "tests/learner/algorithms/sac_fixture.h"
 #include "tests/learner/test_learner.h"
 
 namespace dadrl {
@@ -79,6 +81,9 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   ASSERT_TRUE(acting.Load(policy->parameters));
   const Action action = acting.Act(Observation(spec), nullptr);
   EXPECT_LT(std::abs(action[0]), 1.0f);
+  CriticValues critics(spec, policy->config.model);
+  ASSERT_TRUE(critics.Load(policy->critic));
+  EXPECT_THAT(policy->critic, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Encoders, SacTrainingTest,

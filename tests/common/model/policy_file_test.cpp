@@ -23,14 +23,21 @@ class PolicyFileTest : public testing::Test {
             .policy_version = 7,
             .updates = 900,
             .config_yaml = ToYaml(config_, false),
-            .parameters = parameters_};
+            .parameters = parameters_,
+            .critic = critic_};
   }
   std::vector<std::byte> Saved() { return ReadFile(path_, 1 << 20).value(); }
+  // Makes the checksum right again.
+  static void Seal(std::vector<std::byte>& bytes) {
+    const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+    std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
+  }
 
   TemporaryDirectory folder_;
   std::filesystem::path path_ = folder_.path() / "policy-900.dadrl";
   Config config_;
   std::vector<float> parameters_ = {0.5f, -1.25f, 3e-20f, 1e20f};
+  std::vector<float> critic_ = {2.5f, -0.125f};
 };
 
 TEST_F(PolicyFileTest, ReadsBackEverything) {
@@ -45,6 +52,21 @@ TEST_F(PolicyFileTest, ReadsBackEverything) {
   EXPECT_EQ(loaded->config.model.hidden, 128);
   EXPECT_EQ(loaded->config.scenario, "double_merge");
   EXPECT_EQ(loaded->parameters, parameters_);
+  EXPECT_EQ(loaded->critic, critic_);
+}
+
+TEST_F(PolicyFileTest, ReadsTheFormatWithoutCritics) {
+  critic_.clear();
+  ASSERT_TRUE(SavePolicy(path_, Policy()));
+  std::vector<std::byte> bytes = Saved();
+  bytes[8] = std::byte{1};
+  bytes.erase(bytes.end() - 16, bytes.end() - 8);  // the critics' count
+  Seal(bytes);
+  WritePlainly(path_, bytes);
+  const auto loaded = LoadPolicy(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->parameters, parameters_);
+  EXPECT_TRUE(loaded->critic.empty());
 }
 
 TEST_F(PolicyFileTest, MissingFileIsNotFoundAndNamed) {
@@ -79,13 +101,17 @@ TEST_F(PolicyFileTest, EveryTruncationIsCorrupt) {
 
 TEST_F(PolicyFileTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
-  std::vector<std::byte> bytes = Saved();
-  const size_t count_at = bytes.size() - 8 - parameters_.size() * sizeof(float) - 8;
-  for (size_t i = 0; i < 8; ++i) bytes[count_at + i] = std::byte{0xFF};
-  const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
-  std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
-  WritePlainly(path_, bytes);
-  EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("lengths"));
+  const std::vector<std::byte> good = Saved();
+  const size_t critic_count = good.size() - 8 - critic_.size() * sizeof(float) - 8;
+  for (const size_t count_at : {critic_count, critic_count - parameters_.size() * sizeof(float) - 8}) {
+    for (const std::byte high : {std::byte{0xFF}, std::byte{0}}) {
+      std::vector<std::byte> bytes = good;
+      for (size_t i = 0; i < 8; ++i) bytes[count_at + i] = high;
+      Seal(bytes);
+      WritePlainly(path_, bytes);
+      EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("lengths"));
+    }
+  }
 }
 
 TEST_F(PolicyFileTest, AnotherFormatIsRefusedWithBothNumbers) {
@@ -96,7 +122,7 @@ TEST_F(PolicyFileTest, AnotherFormatIsRefusedWithBothNumbers) {
   const auto loaded = LoadPolicy(path_);
   EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(loaded.error().message, HasSubstr("format 9"));
-  EXPECT_THAT(loaded.error().message, HasSubstr("format 1"));
+  EXPECT_THAT(loaded.error().message, HasSubstr("formats 1 and 2"));
 }
 
 TEST_F(PolicyFileTest, ParameterThatIsNotFiniteIsCorrupt) {

@@ -1,0 +1,99 @@
+#include "common/model/critic_values.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/model/networks.h"
+
+namespace dadrl {
+
+using nn::kLanes;
+
+namespace {
+
+// One block's way through the networks, laid out in an arena.
+struct Block {
+  Block(nn::Arena& arena, const CriticNetwork& network)
+      : observations(arena, network.encoder.spec, 1),
+        encoder(arena, network.encoder, 1, false),
+        head(arena, network.critic1, 1),
+        input(nn::TakeLanes(arena, network.critic1.hidden1.inputs, 1)),
+        value(nn::TakeLanes(arena, 1, 1)) {}
+
+  LaneObservations observations;
+  EncoderActivations encoder;
+  MlpActivations head;
+  nn::LaneSpan input;  // [features + 2][16]
+  nn::LaneSpan value;
+};
+
+nn::Arena ArenaFor(const CriticNetwork& network) {
+  nn::Arena measure;
+  const Block measured(measure, network);
+  return nn::Arena(measure.used());
+}
+
+}  // namespace
+
+struct CriticValues::Impl {
+  Impl(const ObservationSpec& spec, const ModelConfig& model)
+      : network(spec, model),
+        kernels(nn::LaneKernelsFor(nn::ActiveIsa())),
+        arena(ArenaFor(network)),
+        block(arena, network),
+        parameters(network.layout.size()) {}
+
+  CriticNetwork network;
+  const nn::LaneKernels& kernels;
+  nn::Arena arena;
+  Block block;
+  nn::FloatBuffer parameters;
+  std::array<uint8_t, size_t{kLanes} * ObservationSpec::kContextBytes> context{};
+};
+
+CriticValues::CriticValues(const ObservationSpec& spec, const ModelConfig& model)
+    : impl_(std::make_unique<Impl>(spec, model)) {}
+CriticValues::~CriticValues() = default;
+
+Status CriticValues::Load(std::span<const float> parameters) {
+  const nn::ParamLayout& layout = impl_->network.layout;
+  if (parameters.size() != layout.size()) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "critics of {} parameters where the configured networks have {}: model.* or observation.* differ",
+        parameters.size(), layout.size());
+  }
+  if (const std::string_view tensor = layout.FirstNonFinite(parameters); !tensor.empty()) {
+    return Fail(ErrorCode::kCorrupt, "critic parameter {} is not finite: not loaded", tensor);
+  }
+  std::ranges::copy(parameters, impl_->parameters.data());
+  return {};
+}
+
+void CriticValues::Evaluate(const ObservationBatch& observations, std::span<const float> actions,
+                            std::span<float> q1, std::span<float> q2) {
+  Impl& impl = *impl_;
+  Block& block = impl.block;
+  const int features = impl.network.encoder.features();
+  for (int first = 0; first < observations.size; first += kLanes) {
+    const int count = std::min(kLanes, observations.size - first);
+    const auto planes = std::span(observations.context)
+                            .subspan(static_cast<size_t>(first) * ObservationSpec::kContextBytes,
+                                     static_cast<size_t>(count) * ObservationSpec::kContextBytes);
+    std::ranges::fill(std::ranges::copy(planes, impl.context.begin()).out, impl.context.end(), uint8_t{0});
+    block.observations.Pack(impl.kernels, observations, impl.context.data(), first / kLanes);
+    EncoderForward(impl.kernels, impl.network.encoder, impl.parameters.data(), block.observations,
+                   block.encoder, block.input);
+    for (int i = 0; i < count * kActionSize; ++i) {
+      block.input.From(features).data[i % kActionSize * kLanes + i / kActionSize] =
+          actions[static_cast<size_t>(first * kActionSize + i)];
+    }
+    for (const auto& [critic, values] :
+         {std::pair(&impl.network.critic1, q1), std::pair(&impl.network.critic2, q2)}) {
+      MlpForward(impl.kernels, *critic, impl.parameters.data(), block.input, 1, block.head, block.value);
+      std::copy_n(block.value.data, count, values.begin() + first);
+    }
+  }
+}
+
+}  // namespace dadrl

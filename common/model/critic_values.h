@@ -1,0 +1,32 @@
+// What both critics say about actions: for showing and comparing networks, not for training.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "common/config/config.h"
+#include "common/model/observation.h"
+#include "common/util/result.h"
+
+namespace dadrl {
+
+// The critics' networks on batches of any size, in blocks of sixteen. Not thread safe.
+class CriticValues {
+ public:
+  CriticValues(const ObservationSpec& spec, const ModelConfig& model);
+  ~CriticValues();
+
+  // Copies the parameters (CriticNetwork::layout). kInvalidArgument when the length is wrong, kCorrupt when
+  // one is not finite.
+  Status Load(std::span<const float> parameters);
+
+  // q1 and q2 [size] of `observations` and their `actions` [size, 2]. Requires a Load.
+  void Evaluate(const ObservationBatch& observations, std::span<const float> actions, std::span<float> q1,
+                std::span<float> q2);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dadrl
