@@ -23,6 +23,8 @@ Command MakeMonitorCommand(CLI::App& dadrl);
 Command MakeActorCommand(CLI::App& dadrl);
 Command MakeDoctorCommand(CLI::App& dadrl);
 Command MakeConfigCommand(CLI::App& dadrl);
+Command MakeExportCommand(CLI::App& dadrl);
+Command MakeActCommand(CLI::App& dadrl);
 
 // Options shared by commands that take a configuration.
 struct ConfigOptions {

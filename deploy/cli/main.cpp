@@ -37,9 +37,9 @@ int Main(int argc, char** argv) {
   CLI::App app("Trains a vehicle to drive through dense traffic, on one machine or many.", "dadrl");
   app.set_version_flag("--version", "dadrl " DADRL_VERSION);
   app.require_subcommand(1);
-  const std::vector<Command> commands = {MakeTrainCommand(app),   MakeEvaluateCommand(app),
-                                         MakeMonitorCommand(app), MakeActorCommand(app),
-                                         MakeDoctorCommand(app),  MakeConfigCommand(app)};
+  const std::vector<Command> commands = {
+      MakeTrainCommand(app),  MakeEvaluateCommand(app), MakeMonitorCommand(app), MakeActorCommand(app),
+      MakeDoctorCommand(app), MakeConfigCommand(app),   MakeExportCommand(app),  MakeActCommand(app)};
   if (RefuseUnknownCommand(argc, argv, commands)) return kWrongUsage;
   try {
     app.parse(argc, argv);

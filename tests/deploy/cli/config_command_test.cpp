@@ -45,7 +45,7 @@ TEST(ConfigCommand, PaperYamlIsValidAndThePapers) {
 TEST(Help, NamesEveryCommandAndTheVersion) {
   const CommandOutput help = Dadrl({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"train", "evaluate", "monitor", "actor", "doctor", "config"}) {
+  for (const char* command : {"train", "evaluate", "monitor", "actor", "doctor", "config", "export", "act"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
   }
   const CommandOutput version = Dadrl({"--version"});
