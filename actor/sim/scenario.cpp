@@ -121,9 +121,38 @@ TrafficFlow ReadFlow(const YAML::Node& node, size_t index) {
   return flow;
 }
 
+// Refuses what SUMO would answer with an abort in the middle of an episode.
+void CheckBraking(const Section& profile) {
+  if (profile.Has("sumo") && profile.Get("sumo")["default.emergencydecel"]) {
+    throw BadScenario(profile.Get("sumo").Mark(),
+                      fmt::format("'{}.default.emergencydecel' is not for scenarios; set '{}' instead",
+                                  profile.Name("sumo"), profile.Name("driver.emergencyDecel")));
+  }
+  if (!profile.Has("driver")) return;
+  const YAML::Node driver = profile.Get("driver");
+  const auto value = [&](const char* key, double otherwise) {
+    if (!driver[key]) return otherwise;
+    double number = 0.0;
+    if (!YAML::convert<double>::decode(driver[key], number) || !(number > 0.0)) {
+      throw BadScenario(driver[key].Mark(),
+                        fmt::format("'{}.{}' is not a number above 0", profile.Name("driver"), key));
+    }
+    return number;
+  };
+  const double decel = value("decel", kDriverDecel);
+  const double emergency = value("emergencyDecel", kDriverEmergencyDecel);
+  if (emergency > decel) return;
+  throw BadScenario(driver.Mark(),
+                    fmt::format("'{0}.emergencyDecel' is {1:g}, '{0}.decel' is {2:g}: SUMO aborts unless the "
+                                "first is larger; give more than {2:g}",
+                                profile.Name("driver"), emergency, decel));
+}
+
 ProfileSettings ReadProfile(const Section& profiles, const std::string& name) {
   const Section section(profiles.Get(name), profiles.Name(name), {"driver", "sumo"});
-  return {section.Pairs("sumo"), section.Pairs("driver")};
+  ProfileSettings settings{section.Pairs("sumo"), section.Pairs("driver")};
+  CheckBraking(section);
+  return settings;
 }
 
 // `network` is set to the name of the folder whose network is used.

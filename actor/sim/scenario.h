@@ -25,6 +25,11 @@ struct TrafficFlow {
   FlowPosition arrival = FlowPosition::kRandom;
 };
 
+// How hard a driver brakes unless a profile says otherwise, m/s^2: in comfort (paper code), and in an
+// emergency (SUMO's default). SUMO aborts the process unless the second is the larger.
+constexpr double kDriverDecel = 4.5;
+constexpr double kDriverEmergencyDecel = 9.0;
+
 // What a traffic profile changes: SUMO options (name, value) and attributes of every driver type.
 struct ProfileSettings {
   std::vector<std::pair<std::string, std::string>> sumo_options;

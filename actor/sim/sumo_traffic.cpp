@@ -67,13 +67,11 @@ void SumoTraffic::Step() {
 
 void SumoTraffic::Reenter(const std::string& id) {
   const int vehicle = SocialIndex(id);
-  const int flow_index = vehicle / scenario_.driver_types;
-  const TrafficFlow& flow = scenario_.flows[static_cast<size_t>(flow_index)];
-  const int lanes = plan_.departure_lanes[static_cast<size_t>(flow_index)];
+  const int flow = vehicle / scenario_.driver_types;
+  const int lanes = plan_.departure_lanes[static_cast<size_t>(flow)];
   const uint64_t lane = loop_random_.Below(static_cast<uint64_t>(lanes));
-  libsumo::Vehicle::add(id, FlowId(flow_index), TypeId(vehicle % scenario_.driver_types), "now",
-                        std::to_string(lane), "0", "0", std::to_string(flow.arrival_lane),
-                        ArrivalPosition(flow));
+  libsumo::Vehicle::add(id, FlowId(flow), TypeId(vehicle % scenario_.driver_types), "now",
+                        std::to_string(lane), "0", "0");
   presence_[static_cast<size_t>(vehicle)] = Presence::kWaiting;
 }
 

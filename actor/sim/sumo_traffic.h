@@ -24,8 +24,8 @@ class SumoTraffic {
   // Draws the drivers of `seed` and starts SUMO anew at time zero. Whatever ran before leaves no trace.
   Status Load(uint64_t seed, const EgoTraffic& ego);
 
-  // 0.1 s. A vehicle that finished its route enters it again: standing at its start, on a random lane (paper
-  // code).
+  // 0.1 s. A vehicle that finished its route enters it again: standing at its start, on a random lane; from
+  // then on it arrives at the end of whichever lane it is on (paper code).
   void Step();
 
   // The population now in the network, ordered by id; the rest waits for room to enter.

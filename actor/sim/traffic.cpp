@@ -32,8 +32,9 @@ void Set(Attributes& attributes, const std::string& name, std::string value) {
 }
 
 void AppendType(std::string& xml, int index, const DriverType& type, const ProfileSettings& profile) {
-  Attributes attributes{{"vClass", "passenger"}, {"length", "5"},      {"width", "1.8"},   {"accel", "2.6"},
-                        {"decel", "4.5"},        {"maxSpeed", "55.5"}, {"speedDev", "0.1"}};
+  Attributes attributes{{"vClass", "passenger"}, {"length", "5"},      {"width", "1.8"},
+                        {"accel", "2.6"},        {"maxSpeed", "55.5"}, {"speedDev", "0.1"}};
+  Set(attributes, "decel", fmt::format("{}", kDriverDecel));
   Set(attributes, "speedFactor", fmt::format("{}", type.speed_factor));
   Set(attributes, "sigma", fmt::format("{}", type.imperfection));
   Set(attributes, "minGap", fmt::format("{}", type.min_gap_m));
@@ -70,10 +71,6 @@ void AppendEgo(std::string& xml, const EgoTraffic& ego) {
 std::string SocialId(int vehicle) { return fmt::format("v{}", vehicle); }
 std::string FlowId(int flow) { return fmt::format("f{}", flow); }
 std::string TypeId(int type) { return fmt::format("t{}", type); }
-
-std::string ArrivalPosition(const TrafficFlow& flow) {
-  return flow.arrival == FlowPosition::kRandom ? "random" : "max";
-}
 
 int SocialIndex(const std::string& id) {
   int index = -1;
@@ -120,7 +117,8 @@ std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,
                    R"(departSpeed="max" arrivalLane="{}" arrivalPos="{}"/>)"
                    "\n",
                    SocialId(vehicle), TypeId(vehicle % scenario.driver_types), FlowId(flow_index),
-                   flow.depart_lane, depart, flow.arrival_lane, ArrivalPosition(flow));
+                   flow.depart_lane, depart, flow.arrival_lane,
+                   flow.arrival == FlowPosition::kRandom ? "random" : "max");
   }
   return xml + "</routes>\n";
 }

@@ -41,8 +41,6 @@ int SocialIndex(const std::string& id);
 // The SUMO route of a flow, and of a driver type.
 std::string FlowId(int flow);
 std::string TypeId(int type);
-// SUMO's arrivalPos of a flow.
-std::string ArrivalPosition(const TrafficFlow& flow);
 
 // `lane_end_m[flow]`: SUMO's length of the flow's departure lane.
 std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,

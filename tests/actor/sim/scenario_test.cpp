@@ -95,6 +95,19 @@ TEST_F(ScenarioFile, FaultsAreNamedWithFileLineAndKey) {
   EXPECT_THAT(ErrorWith("traffic:", "traffic: ]"), HasSubstr("mine/scenario.yaml"));
 }
 
+TEST_F(ScenarioFile, BrakingThatAbortsSumoIsRefused) {
+  EXPECT_THAT(
+      ErrorWith("emergencyDecel: 5.0", "emergencyDecel: 4.5"),
+      AllOf(HasSubstr("mine/scenario.yaml: line 10: 'profiles.calibrated.driver.emergencyDecel' is 4.5"),
+            HasSubstr("'profiles.calibrated.driver.decel' is 4.5"), HasSubstr("more than 4.5")));
+  EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "decel: 9"), HasSubstr("driver.emergencyDecel' is 9"));
+  EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "decel: 6.0, emergencyDecel: 5.0"), HasSubstr("more than 6"));
+  EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "emergencyDecel: hard"), HasSubstr("is not a number above 0"));
+  EXPECT_THAT(ErrorWith("plain: {}", "plain: {sumo: {default.emergencydecel: decel}}"),
+              HasSubstr("'profiles.plain.sumo.default.emergencydecel' is not for scenarios; set "
+                        "'profiles.plain.driver.emergencyDecel'"));
+}
+
 TEST_F(ScenarioFile, MissingOrEmptyFilesAreErrorsNotCrashes) {
   EXPECT_EQ(Load("").error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(Load("just words").error().code, ErrorCode::kInvalidArgument);
