@@ -8,6 +8,7 @@
 
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
+#include "common/util/prefetch.h"
 
 namespace dadrl {
 namespace {
@@ -199,6 +200,15 @@ Action ChunkView::action(int frame) const { return Load<Action>(actions_, frame)
 float ChunkView::reward(int frame) const { return Load<float>(rewards_, frame); }
 uint8_t ChunkView::flags(int frame) const { return Load<uint8_t>(flags_, frame); }
 uint32_t ChunkView::offset(int frame) const { return Load<uint32_t>(offsets_, frame); }
+
+void ChunkView::PrefetchColumns(int frame) const {
+  const auto at = static_cast<size_t>(frame);
+  Prefetch(policy_versions_ + 4 * at, 1);
+  Prefetch(actions_ + sizeof(Action) * at, 1);
+  Prefetch(rewards_ + 4 * at, 1);
+  Prefetch(flags_ + at, 1);
+  Prefetch(offsets_ + 4 * at, 1);
+}
 
 std::span<const std::byte> ChunkView::payload(int frame) const {
   return {payloads_ + offset(frame), payloads_ + offset(frame + 1)};

@@ -133,6 +133,8 @@ class ChunkView {
   float reward(int frame) const;
   uint8_t flags(int frame) const;
   std::span<const std::byte> payload(int frame) const;
+  // Asks for what describes `frame` before it is read.
+  void PrefetchColumns(int frame) const;
   // Where the payload of `frame` begins among the payloads; offset(frames()) is their end.
   uint32_t offset(int frame) const;
   size_t payload_bytes() const { return payload_bytes_; }

@@ -26,16 +26,31 @@ struct Entry {
   uint32_t next_bytes = 0;
 };
 
+// As it is on the wire: there are no gaps.
+struct WireEntry {
+  uint64_t key;
+  float probability;
+  float importance_weight;
+  uint32_t policy_version;
+  Action action;
+  uint16_t steps;
+  uint16_t terminated;
+  uint32_t first_bytes;
+  uint32_t next_bytes;
+};
+static_assert(sizeof(WireEntry) == kEntryBytes);
+
 void PutEntry(const SampledItem& item, ByteWriter& writer) {
-  writer.Put(item.key);
-  writer.Put(item.probability);
-  writer.Put(item.importance_weight);
-  writer.Put(item.policy_version);
-  for (const float a : item.action) writer.Put(a);
-  writer.Put(static_cast<uint16_t>(item.rewards.size()));
-  writer.Put(static_cast<uint16_t>(item.terminated));
-  writer.Put(static_cast<uint32_t>(item.first.size()));
-  writer.Put(static_cast<uint32_t>(item.next.size()));
+  const WireEntry entry{.key = item.key,
+                        .probability = item.probability,
+                        .importance_weight = item.importance_weight,
+                        .policy_version = item.policy_version,
+                        .action = item.action,
+                        .steps = static_cast<uint16_t>(item.rewards.size()),
+                        .terminated = static_cast<uint16_t>(item.terminated),
+                        .first_bytes = static_cast<uint32_t>(item.first.size()),
+                        .next_bytes = static_cast<uint32_t>(item.next.size())};
+  writer.PutBytes(std::as_bytes(std::span(&entry, 1)));
 }
 
 Result<Entry> GetEntry(ByteReader& reader) {

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/util/prefetch.h"
+
 namespace dadrl {
 namespace {
 
@@ -161,29 +163,38 @@ DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
   assert(CanDraw(count) && n_step >= 1 && n_step <= options_.n_step);
   DrawnItems drawn;
   drawn.items.reserve(count);
+  drawn.chunks.reserve(2 * count);
+  drawn.segments.reserve(count);
+  // Memory is slower than all that is done here: a first pass asks for what the second reads.
+  std::vector<const StoredChunk*> chunks;
+  chunks.reserve(count);
   const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
   for (size_t i = 0; i < count; ++i) {
     const Selector::Draw draw = selector_->Sample(random);
     Item& item = items_[draw.slot];
     DrawnItems::Item& out = drawn.items.emplace_back();
-    out.key = KeyOf(*item.chunk, item.frame);
     out.frame = item.frame;
     out.probability = static_cast<float>(draw.probability);
-    AddChunks(*item.chunk, item.frame, n_step, drawn);
+    chunks.push_back(item.chunk);
+    Prefetch(item.chunk, sizeof(StoredChunk));
     ++item.times_sampled;
     if (limit == 0) continue;
     --draws_left_;
     if (item.times_sampled >= limit) RemoveItem(draw.slot);
   }
+  for (size_t i = 0; i < count; ++i) {
+    drawn.items[i].key = KeyOf(*chunks[i], drawn.items[i].frame);
+    AddChunks(*chunks[i], n_step, drawn.items[i], drawn);
+  }
   SetImportance(drawn);
   return drawn;
 }
 
-// The chunks that hold frames `frame` to `frame` + `n_step`, as far as the episode goes.
-void ChunkIndex::AddChunks(const StoredChunk& first, int frame, int n_step, DrawnItems& drawn) const {
-  DrawnItems::Item& item = drawn.items.back();
+// The chunks that hold the frames of `item` and `n_step` more, as far as the episode goes.
+void ChunkIndex::AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item,
+                           DrawnItems& drawn) const {
   item.first_chunk = drawn.chunks.size();
-  int left = frame + n_step + 1;
+  int left = item.frame + n_step + 1;
   for (const StoredChunk* chunk = &first; chunk != nullptr && left > 0; chunk = chunk->next) {
     drawn.chunks.push_back(chunk->view);
     left -= chunk->view.frames();

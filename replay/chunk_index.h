@@ -85,7 +85,7 @@ class ChunkIndex {
   void RemoveStale(StoredChunk& chunk);
   bool TooStale(uint32_t policy_version) const;
   void DropOldest();
-  void AddChunks(const StoredChunk& first, int frame, int n_step, DrawnItems& drawn) const;
+  void AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item, DrawnItems& drawn) const;
   void SetImportance(DrawnItems& drawn) const;
   StoredChunk* Find(uint64_t key);
 

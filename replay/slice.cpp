@@ -3,6 +3,8 @@
 #include <optional>
 #include <utility>
 
+#include "common/util/prefetch.h"
+
 namespace dadrl {
 namespace {
 
@@ -61,6 +63,8 @@ Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
   // Never grows beyond this, so the items' spans stay where they are.
   batch.rewards.reserve(drawn.items.size() * static_cast<size_t>(n_step));
   const std::span<const ChunkView> chunks(drawn.chunks);
+  // Most of it is not in the processor's caches: ask for all before any of it is read.
+  for (const DrawnItems::Item& item : drawn.items) chunks[item.first_chunk].PrefetchColumns(item.frame);
   for (size_t i = 0; i < drawn.items.size(); ++i) {
     const DrawnItems::Item& from = drawn.items[i];
     SampledItem& item = batch.items[i];
@@ -74,6 +78,8 @@ Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
                   "stored frame {:#x} has changed since it was checked: the disk is failing", from.key);
     }
     item.rewards = std::span(batch.rewards).subspan(first_reward);
+    Prefetch(item.first.data(), item.first.size());
+    Prefetch(item.next.data(), item.next.size());
   }
   return batch;
 }
