@@ -13,6 +13,7 @@ enum class EncoderSharing { kSeparate, kShared };
 enum class PublishedPolicy { kAveraged, kCurrent };
 enum class SamplerKind { kUniform, kPrioritized, kNewestFirst, kOldestFirst };
 enum class SyncMode { kNone, kInterval, kAlways };
+enum class VerifyFrames { kNone, kSome, kAll };
 enum class FloatCoding { kFloat32, kFloat16 };
 
 struct TrafficConfig {
@@ -81,7 +82,7 @@ struct ReplayConfig {
   double samples_per_insert = 8.0;       // sampling waits above it (transitions per inserted frame); 0: never
   double min_samples_per_insert = 0.0;   // actors wait below it; 0: never
   double samples_per_insert_band = 0.5;  // tolerated deviation of both, in inserts, as a multiple of min_size
-  bool verify_frames = true;             // decode each frame once before it is stored
+  VerifyFrames verify_frames = VerifyFrames::kSome;  // decoded before they are stored
   SamplerKind sampler = SamplerKind::kUniform;
   double priority_exponent = 0.6;
   double importance_exponent = 0.4;

@@ -113,8 +113,10 @@ void AddReplay(SchemaBuilder& b, Config& c) {
         "Sampled transitions per inserted frame below which actors wait; 0 is never");
   b.Add("replay.samples_per_insert_band", r.samples_per_insert_band, 0.01, 1e6,
         "Tolerated deviation of both, in inserted frames, as a multiple of min_size");
-  b.Add("replay.verify_frames", r.verify_frames,
-        "Decode each frame once before it is stored: a faulty actor cannot poison batches; 2 us a frame");
+  b.AddChoice(
+      "replay.verify_frames", r.verify_frames, {"none", "some", "all"},
+      "Frames decoded before they are stored, 2 us each; some: all of an actor's first 64 chunks, then "
+      "one of each chunk");
   b.AddChoice("replay.sampler", r.sampler, {"uniform", "prioritized", "newest_first", "oldest_first"},
               "How items are drawn");
   b.Add("replay.priority_exponent", r.priority_exponent, 0, 2, "alpha of prioritised replay");

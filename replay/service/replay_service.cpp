@@ -23,11 +23,11 @@ TableOptions OptionsOf(const ReplayService::Options& options) {
                      .n_step = options.config.algorithm.n_step,
                      .seed = DeriveSeed(options.config.seed, 1000 + options.shard),
                      .verify = nullptr};
-  if (options.config.replay.verify_frames) {
+  if (options.config.replay.verify_frames != VerifyFrames::kNone) {
     // Shared only because a std::function must be copyable.
-    table.verify = [verifier = std::make_shared<ChunkVerifier>(spec)](const ChunkView& chunk) {
-      return verifier->Check(chunk);
-    };
+    const auto verifier = std::make_shared<ChunkVerifier>(
+        spec, options.config.replay.verify_frames == VerifyFrames::kAll, table.seed);
+    table.verify = [verifier](const ChunkView& chunk) { return verifier->Check(chunk); };
   }
   return table;
 }
@@ -84,8 +84,6 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
     sleeper.SleepFor(kTick);
   }
   stopping = true;
-  ingest_->Wake();
-  server_->Wake();
   ingest.join();
   server.join();
   keeper.join();
