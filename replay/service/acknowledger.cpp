@@ -1,5 +1,7 @@
 #include "replay/service/acknowledger.h"
 
+#include <algorithm>
+
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -30,7 +32,8 @@ bool Acknowledger::Publish(TimePoint now) {
   any_due_ = false;
   for (auto& [id, actor] : actors_) {
     if (!actor.due) continue;
-    if (actor.sent != TimePoint{} && now - actor.sent < kMinInterval) {
+    const bool lately = actor.sent != TimePoint{} && now - actor.sent < kMinInterval;
+    if (lately && actor.stored < actor.sent_stored + std::max<uint64_t>(1, grant_.chunks / 2)) {
       any_due_ = true;
       continue;
     }
@@ -46,6 +49,7 @@ bool Acknowledger::Publish(TimePoint now) {
       continue;
     }
     actor.sent = now;
+    actor.sent_stored = actor.stored;
     actor.due = false;
   }
   return any_due_;

@@ -16,7 +16,7 @@ namespace dadrl {
 // Not thread safe; blocks at most as long as the topic's writer.
 class Acknowledger {
  public:
-  // An actor hears at most this often.
+  // An actor hears at most this often, unless it has used half of its grant.
   static constexpr Duration kMinInterval = std::chrono::milliseconds(2);
 
   // How many chunks beyond the stored ones an actor is granted.
@@ -40,6 +40,7 @@ class Acknowledger {
     uint64_t incarnation = 0;
     uint64_t stored = 0;
     TimePoint sent{};
+    uint64_t sent_stored = 0;
     bool due = false;
   };
   Acknowledger(std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>> writer, uint32_t shard)

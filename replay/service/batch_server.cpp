@@ -48,7 +48,7 @@ void BatchServer::Run(const std::atomic<bool>& stop) {
     TakeRequests();
     TakePriorities();
     // Before the last look, so that an insert after it wakes us.
-    waiting_.store(true);
+    waiting_.store(!pending_.empty());
     const bool held = ServePending();
     ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
     endpoints_.requests->Wait(kWait);

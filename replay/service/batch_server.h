@@ -37,7 +37,7 @@ class BatchServer {
                                                      std::function<void()> on_sample);
 
   void Run(const std::atomic<bool>& stop);
-  // There may be more to sample, or it is time to stop. Cheap when nobody waits.
+  // There may be more to sample. Cheap when no request waits for that.
   void Wake();
 
   Statistics statistics() const { return {batches_.load(), bytes_.load(), refused_.load()}; }

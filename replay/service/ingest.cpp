@@ -54,6 +54,10 @@ void Ingest::Run(const std::atomic<bool>& stop) {
   if (SyncIfPromised()) acknowledger_->Publish(clock_.Now() + Acknowledger::kMinInterval);
 }
 
+void Ingest::Wake() {
+  if (withholding_.load()) reader_->Wake();
+}
+
 int Ingest::TakeChunks() {
   const int taken =
       reader_->Take(kRound, [this](const dadrl_idl_ChunkMessage& message) { OnChunk(message); });
@@ -101,10 +105,13 @@ Acknowledger::Grant Ingest::CurrentGrant() {
     ledger_.Enter(Activity::kWaitForDisk);
     return {1};
   }
+  // Before the look, so that a sample after it wakes us.
+  withholding_.store(true);
   if (!table_.MayInsert()) {
     ledger_.Enter(Activity::kWaitForSamples);
     return {0};
   }
+  withholding_.store(false);
   ledger_.Enter(Activity::kWork);
   return {replay_.min_samples_per_insert > 0.0 ? kNarrowWindow : kWideWindow};
 }

@@ -35,8 +35,8 @@ class Ingest {
 
   // Until `stop`; then takes what has arrived, and says so to the actors.
   void Run(const std::atomic<bool>& stop);
-  // Looks again at what the limiter grants: samples were drawn, or it is time to stop.
-  void Wake() { reader_->Wake(); }
+  // Looks again at what the limiter grants: samples were drawn. Cheap when it withholds nothing.
+  void Wake();
   // Work, and waits for the disk and for samples.
   const TimeLedger& ledger() const { return ledger_; }
 
@@ -59,6 +59,7 @@ class Ingest {
   const std::function<void()> on_insert_;
   TimeLedger ledger_;
 
+  std::atomic<bool> withholding_{false};
   bool failing_ = false;  // the last write to the disk failed
   TimePoint retry_at_{};
   bool unsynced_ = false;
