@@ -23,6 +23,7 @@
 #include "proto/codec/half.h"
 #include "replay/service/replay_service.h"
 #include "replay/table.h"
+#include "tests/bench/chunk_stream.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl::bench {
@@ -161,33 +162,6 @@ void Codec() {
   PrintCost("decode a frame", decode / kFrames * 1e6, "us", zstd_decode / kFrames * 1e6);
 }
 
-// One million frames: a few chunks, again and again as episodes of their own.
-class Stream {
- public:
-  Stream() {
-    for (uint64_t i = 0; i < kDistinct; ++i) {
-      chunks_.push_back(
-          MakeSyntheticChunk(kSpec, {.identity = {1, 1, 1}, .frames = 64, .end = kTerminated}, i));
-    }
-  }
-  // Valid until the next call.
-  std::span<const std::byte> Next() {
-    std::vector<std::byte>& chunk = chunks_[sequence_++ % kDistinct];
-    constexpr size_t kSequenceAt = 32;
-    constexpr size_t kEpisodeAt = 40;
-    std::memcpy(&chunk[kSequenceAt], &sequence_, 8);
-    std::memcpy(&chunk[kEpisodeAt], &sequence_, 8);
-    const uint64_t checksum = Xxh3(std::span(chunk).first(chunk.size() - 8));
-    std::memcpy(&chunk[chunk.size() - 8], &checksum, 8);
-    return chunk;
-  }
-
- private:
-  static constexpr uint64_t kDistinct = 32;
-  std::vector<std::vector<std::byte>> chunks_;
-  uint64_t sequence_ = 0;
-};
-
 TableOptions Options(const std::filesystem::path& directory) {
   TableOptions options{.directory = directory,
                        .schema = SchemaHash(kSpec),
@@ -204,18 +178,17 @@ TableOptions Options(const std::filesystem::path& directory) {
 bool Table(const std::filesystem::path& directory) {
   constexpr uint64_t kChunks = kItems / 64;
   const SystemClock clock;
-  Stream stream;
+  ChunkStream stream(kSpec);
   uint64_t bytes = 0;
   std::vector<std::byte> copy(kMaxChunkBytes);
   const double bare_copy = Seconds([&] {
     for (uint64_t i = 0; i < kChunks; ++i) {
-      const auto chunk = stream.Next();
+      const auto chunk = stream.At(i + 1);
       std::memcpy(copy.data(), chunk.data(), chunk.size());
       bytes += chunk.size();
     }
   });
   const uint64_t resident_before = ResidentBytes();
-  Stream again;
   {
     auto table = ReplayTable::Open(Options(directory), clock);
     if (!table) {
@@ -224,7 +197,7 @@ bool Table(const std::filesystem::path& directory) {
     }
     const double inserted = Seconds([&] {
       for (uint64_t i = 0; i < kChunks; ++i) {
-        if ((*table)->Insert(again.Next(), i + 1) != ReplayTable::Insertion::kStored) std::abort();
+        if ((*table)->Insert(stream.At(i + 1), i + 1) != ReplayTable::Insertion::kStored) std::abort();
       }
     });
     PrintRate("insert with the log, no sync", kChunks * 64 / inserted, "frames/s", kChunks * 64 / bare_copy);

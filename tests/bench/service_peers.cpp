@@ -1,0 +1,219 @@
+#include "tests/bench/service_peers.h"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <utility>
+
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/clock.h"
+#include "common/util/log.h"
+#include "proto/topics.h"
+#include "tests/bench/chunk_stream.h"
+
+namespace dadrl::bench {
+namespace {
+
+constexpr Duration kWait = std::chrono::milliseconds(50);
+constexpr Duration kResendAfter = std::chrono::seconds(2);
+const ObservationSpec kSpec;
+
+TimePoint Now() { return SystemClock().Now(); }
+
+// Here a failure to start is the end of the benchmark.
+template <typename T>
+T Need(Result<T> result) {
+  if (!result) {
+    spdlog::error("{}", result.error().message);
+    _exit(1);
+  }
+  return std::move(*result);
+}
+
+std::unique_ptr<dds::Node> Join(const Config& config, dds::Role role, int index) {
+  return Need(dds::Node::Create(config.cluster, config.replay.shards, role, index));
+}
+
+class Feeder {
+ public:
+  Feeder(const Config& config, bool granting)
+      : node_(Join(config, dds::Role::kActor, 1)),
+        acknowledgements_(
+            Need(dds::Reader<dadrl_idl_Acknowledgement>::Create(*node_, kAcknowledgementTopic))),
+        chunks_(Need(dds::Writer<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)))),
+        stream_(kSpec),
+        granted_(granting ? 1 : UINT64_MAX) {
+    while (chunks_->matched() == 0 || acknowledgements_->matched() == 0) {
+      SystemClock().SleepFor(std::chrono::milliseconds(10));
+    }
+    heard_ = Now();
+  }
+  void Run(uint64_t chunks) {
+    while (stored_ < chunks) {
+      Hear();
+      if (next_ > stored_ + 1 && Now() - heard_ > kResendAfter) {
+        heard_ = Now();
+        next_ = stored_ + 1;
+      }
+      if (next_ <= std::min(chunks, granted_)) {
+        Send();
+      } else {
+        acknowledgements_->Wait(kWait);
+      }
+    }
+  }
+
+ private:
+  void Hear() {
+    acknowledgements_->Take(1000, [this](const dadrl_idl_Acknowledgement& ack) {
+      if (ack.actor != 1) return;
+      heard_ = Now();
+      stored_ = ack.stored_sequence;
+      next_ = std::max(next_, stored_ + 1);
+      granted_ = ack.granted_sequence;
+    });
+  }
+  void Send() {
+    const std::span<std::byte> bytes = stream_.At(next_);
+    dadrl_idl_ChunkMessage message{};
+    message.actor = 1;
+    message.oldest_kept = stored_ + 1;
+    message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
+    message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
+    if (chunks_->Write(message)) ++next_;
+  }
+
+  const std::unique_ptr<dds::Node> node_;
+  const std::unique_ptr<dds::Reader<dadrl_idl_Acknowledgement>> acknowledgements_;
+  const std::unique_ptr<dds::Writer<dadrl_idl_ChunkMessage>> chunks_;
+  ChunkStream stream_;
+  TimePoint heard_{};
+  uint64_t stored_ = 0;
+  uint64_t granted_;
+  uint64_t next_ = 1;
+};
+
+void TakeChunks(const dds::Node& node, uint64_t chunks) {
+  const auto acknowledgements =
+      Need(dds::Writer<dadrl_idl_Acknowledgement>::Create(node, kAcknowledgementTopic));
+  const auto reader = Need(dds::Reader<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)));
+  uint64_t taken = 0;
+  while (true) {
+    const int now = reader->Take(32, [](const dadrl_idl_ChunkMessage&) {});
+    if (now == 0) reader->Wait(kWait);
+    const uint64_t before = taken;
+    taken += static_cast<uint64_t>(now);
+    if (before >= chunks || taken < chunks) continue;
+    dadrl_idl_Acknowledgement done{};
+    done.actor = 1;
+    done.stored_sequence = done.granted_sequence = chunks;
+    if (!acknowledgements->Write(done)) spdlog::error("the last word was not sent");
+  }
+}
+
+}  // namespace
+
+Peer::Peer(const std::function<std::vector<double>()>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) std::abort();
+  pid_ = fork();
+  if (pid_ == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const std::vector<double> values = work();
+    const size_t bytes = values.size() * sizeof(double);
+    _exit(write(ends[1], values.data(), bytes) == static_cast<ssize_t>(bytes) ? 0 : 1);
+  }
+  close(ends[1]);
+  results_ = ends[0];
+}
+
+Peer::~Peer() {
+  if (pid_ > 0) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  close(results_);
+}
+
+std::vector<double> Peer::Wait() {
+  std::vector<double> values(16);
+  const ssize_t bytes = read(results_, values.data(), values.size() * sizeof(double));
+  values.resize(static_cast<size_t>(std::max<ssize_t>(bytes, 0)) / sizeof(double));
+  waitpid(pid_, nullptr, 0);
+  pid_ = 0;
+  return values;
+}
+
+std::vector<double> Feed(const Config& config, uint64_t chunks, bool granting) {
+  Feeder feeder(config, granting);
+  const TimePoint begin = Now();
+  feeder.Run(chunks);
+  return {ToSeconds(Now() - begin)};
+}
+
+void FeedForEver(const Config& config) { Feeder(config, true).Run(UINT64_MAX); }
+
+std::vector<double> Fetch(const Config& config, const Fetching& fetching) {
+  const auto node = Join(config, dds::Role::kLearner, 0);
+  const auto replies = Need(dds::Reader<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
+  const auto requests = Need(dds::Writer<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
+  while (replies->matched() == 0 || requests->matched() == 0) {
+    SystemClock().SleepFor(std::chrono::milliseconds(10));
+  }
+  std::vector<TimePoint> asked;  // by request number
+  const auto ask = [&] {
+    dadrl_idl_BatchRequest request{};
+    request.learner = static_cast<uint64_t>(getpid());
+    request.request = asked.size();
+    request.batch_size = fetching.batch_size;
+    request.n_step = static_cast<uint32_t>(config.algorithm.n_step);
+    request.schema = SchemaHash(kSpec);
+    asked.push_back(Now());
+    if (!requests->Write(request)) spdlog::error("a request was not sent");
+  };
+  double bytes = 0.0;
+  std::vector<double> latencies;
+  const TimePoint begin = Now();
+  for (int i = 0; i < fetching.outstanding; ++i) ask();
+  while (latencies.size() < static_cast<size_t>(fetching.batches)) {
+    const int taken = replies->Take(16, [&](const dadrl_idl_BatchReply& reply) {
+      if (reply.bytes._length == 0) return;  // has to wait: too little is stored yet
+      bytes += reply.bytes._length;
+      latencies.push_back(ToSeconds(Now() - asked[reply.request]));
+      if (latencies.size() % static_cast<size_t>(fetching.replies_of) == 0) ask();
+    });
+    if (taken == 0) replies->Wait(kWait);
+  }
+  const double seconds = ToSeconds(Now() - begin);
+  std::sort(latencies.begin(), latencies.end());
+  const auto count = static_cast<double>(latencies.size());
+  return {seconds * fetching.batches / count, bytes / count, latencies[latencies.size() / 2],
+          latencies[latencies.size() * 99 / 100]};
+}
+
+void Mirror(const Config& config, uint64_t chunks, int replies_of, size_t reply_bytes) {
+  const auto node = Join(config, dds::Role::kReplay, 0);
+  std::thread sink([&] { TakeChunks(*node, chunks); });
+  const auto replies = Need(dds::Writer<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
+  const auto requests = Need(dds::Reader<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
+  std::vector<uint8_t> bytes(reply_bytes, 0x5a);
+  while (true) {
+    requests->Take(1, [&](const dadrl_idl_BatchRequest& request) {
+      dadrl_idl_BatchReply reply{};
+      reply.learner = request.learner;
+      reply.request = request.request;
+      reply.bytes._buffer = bytes.data();
+      reply.bytes._length = reply.bytes._maximum = static_cast<uint32_t>(bytes.size());
+      for (int sent = 0; sent < replies_of;) sent += replies->Write(reply) ? 1 : 0;
+    });
+    requests->Wait(kWait);
+  }
+}
+
+}  // namespace dadrl::bench
