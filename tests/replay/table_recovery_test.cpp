@@ -180,6 +180,65 @@ TEST_F(TableRecovery, ADamagedRecordCostsItsChunkAndNothingElse) {
   }
 }
 
+TEST_F(TableRecovery, HundredsOfRandomDamagesCostTheirChunksAndNothingElse) {
+  constexpr uint64_t kChunks = 300;
+  constexpr int kCases = 400;
+  TableOptions options = Options(folder_.path() / "whole");
+  std::map<uint64_t, std::vector<std::byte>> chunks;
+  {
+    const auto table = ReplayTable::Open(options, clock_).value();
+    for (uint64_t sequence = 1; sequence <= kChunks; ++sequence) {
+      chunks[sequence] = Build(ChunkOf(sequence));
+      ASSERT_EQ(table->Insert(chunks[sequence]), Insertion::kStored);
+    }
+  }
+  Random random(400);
+  for (int damage = 0; damage < kCases; ++damage) {
+    options.directory = folder_.path() / "damaged";
+    std::filesystem::remove_all(options.directory);
+    std::filesystem::copy(folder_.path() / "whole", options.directory);
+    std::vector<std::filesystem::path> segments;
+    for (const auto& entry : std::filesystem::directory_iterator(options.directory)) {
+      if (entry.path().filename().string().starts_with("segment-")) segments.push_back(entry.path());
+    }
+    ASSERT_GE(segments.size(), 2u);
+    std::sort(segments.begin(), segments.end());
+    const auto& victim = segments[random.Below(segments.size())];
+    const uint64_t size = std::filesystem::file_size(victim);
+    const uint64_t flips = random.Below(4);
+    for (uint64_t i = 0; i < flips; ++i) {
+      std::fstream file(victim, std::ios::in | std::ios::out | std::ios::binary);
+      const auto at = static_cast<std::streamoff>(random.Below(size));
+      file.seekg(at);
+      const auto byte = static_cast<char>(file.get() ^ (1 << random.Below(8)));
+      file.seekp(at);
+      file.put(byte);
+    }
+    const uint64_t cut = flips == 0 ? 1 + random.Below(size) : 0;
+    if (cut > 0) std::filesystem::resize_file(victim, size - cut);
+
+    SegmentLog::Recovery recovery;
+    std::map<uint64_t, int> found;
+    const auto log = SegmentLog::Open(
+        {options.directory, options.schema},
+        [&](const auto&, std::span<const std::byte> record) {
+          const auto chunk = ChunkView::Parse(record);
+          if (!chunk) return false;
+          const uint64_t sequence = chunk->header().identity.sequence;
+          EXPECT_TRUE(
+              std::equal(record.begin(), record.end(), chunks[sequence].begin(), chunks[sequence].end()));
+          ++found[sequence];
+          return true;
+        },
+        recovery);
+    ASSERT_TRUE(log) << log.error().message;
+    for (const auto& [sequence, copies] : found) EXPECT_EQ(copies, 1) << sequence;
+    const uint64_t record = Segment::RecordBytes(chunks[1].size());
+    const uint64_t lost = cut > 0 ? cut / (record - 64) + 1 : flips;
+    EXPECT_GE(found.size() + lost, kChunks) << "case " << damage;
+  }
+}
+
 TEST_F(TableRecovery, AnotherObservationIsRefusedAndNothingIsTouched) {
   {
     auto table = Open();

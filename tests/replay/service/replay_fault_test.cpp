@@ -1,0 +1,280 @@
+// What the world does to a replay: kill -9, full and read-only disks, damaged files, slow learners, actors
+// that have lost their mind.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "common/io/checksum.h"
+#include "proto/telemetry.h"
+#include "tests/replay/service/service_fixture.h"
+#include "tests/replay/service/stored_chunks.h"
+
+namespace dadrl {
+namespace {
+
+using testing::HasSubstr;
+
+class ReplayFault : public ReplayServiceTest {
+ protected:
+  std::filesystem::path Shard() const { return folder_.path() / "run" / "replay" / "shard-0"; }
+
+  // Every chunk that `actor` was told is stored is there once, byte for byte; of the others, none twice.
+  void ExpectStoredOnce(const StoredChunks& stored, const PeerActor& actor, uint64_t incarnation) {
+    for (uint64_t sequence = 1; sequence <= actor.produced(); ++sequence) {
+      const auto found = stored.find({actor.id(), incarnation, sequence});
+      if (found == stored.end()) {
+        EXPECT_GT(sequence, actor.stored()) << "acknowledged, and gone";
+        continue;
+      }
+      ASSERT_EQ(found->second.size(), 1u) << "actor " << actor.id() << ", chunk " << sequence;
+      EXPECT_EQ(found->second[0], actor.chunk(sequence));
+    }
+  }
+};
+
+TEST_F(ReplayFault, FiftyTimesKillNineUnderLoadLosesAndRepeatsNothing) {
+  constexpr int kKills = 50;
+  constexpr uint64_t kIncarnation = 100;
+  config_.replay.max_times_sampled = 0;
+  config_.replay.segment_bytes = 1 << 16;  // so that some fall between two segments
+  Launch();
+  std::vector<std::unique_ptr<PeerActor>> actors;
+  for (const uint32_t id : {11, 12, 13}) {
+    actors.push_back(std::make_unique<PeerActor>(*actor_node_, id, kIncarnation));
+  }
+  const auto pump = [&] {
+    for (const auto& actor : actors) actor->Pump();
+  };
+  const auto stored = [&] {
+    uint64_t sum = 0;
+    for (const auto& actor : actors) sum += actor->stored();
+    return sum;
+  };
+  Random random(20261122);
+  int looks = 0;
+  for (int kill = 0; kill < kKills; ++kill) {
+    for (const auto& actor : actors) {
+      for (int i = 0; i < 60; ++i) {
+        actor->Add({.episode = actor->produced() + 1, .frames = kFrames, .end = kTerminated});
+      }
+    }
+    const uint64_t target = stored() + random.Below(150);
+    ASSERT_TRUE(Eventually([&] {
+      if (++looks % 10 == 0) learner_->Disturb(16);
+      pump();
+      return stored() >= target;
+    })) << "kill "
+        << kill << "\n"
+        << replay_->Log();
+    // Not at the moment of an acknowledgement, but somewhere between two.
+    for (uint64_t spins = random.Below(20); spins > 0; --spins) pump();
+    replay_->Kill();
+    replay_->Start();
+  }
+  for (const auto& actor : actors) {
+    ASSERT_TRUE(actor->PumpUntilStored(actor->produced(), 60.0)) << replay_->Log();
+  }
+  replay_->Kill();
+  const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  EXPECT_EQ(chunks->size(), actors.size() * kKills * 60u);
+  for (const auto& actor : actors) ExpectStoredOnce(*chunks, *actor, kIncarnation);
+}
+
+// A file system of its own, this small. Only root may mount one.
+class TinyDisk {
+ public:
+  TinyDisk(const std::filesystem::path& at, const char* size) : at_(at) {
+    std::filesystem::create_directories(at_);
+    mounted_ = mount("tmpfs", at_.c_str(), "tmpfs", 0, fmt::format("size={}", size).c_str()) == 0;
+    error_ = errno;
+  }
+  ~TinyDisk() {
+    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
+  }
+  TinyDisk(const TinyDisk&) = delete;
+  TinyDisk& operator=(const TinyDisk&) = delete;
+  bool mounted() const { return mounted_; }
+  std::string why() const { return std::strerror(error_); }
+  bool MakeReadOnly() { return mount(nullptr, at_.c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr) == 0; }
+
+ private:
+  std::filesystem::path at_;
+  bool mounted_ = false;
+  int error_ = 0;
+};
+
+TEST_F(ReplayFault, AFullFileSystemIsSaidOnceCostsNothingAndPasses) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root may mount a small file system";
+  const TinyDisk disk(folder_.path() / "run" / "replay", "1m");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  const auto filler = folder_.path() / "run" / "replay" / "filler";
+  std::ofstream(filler) << std::string(900 << 10, 'x');
+  Launch();
+  AddChunks(3000);
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    return replay_->Log().find("actors keep their experience") != std::string::npos;
+  })) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr((Shard() / "segment-").string()));
+  EXPECT_THAT(replay_->Log(), HasSubstr("free some disk space"));
+  const uint64_t stored = actor_->stored();
+  ASSERT_LT(stored, 3000u);
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty()) << "what is stored can still be sampled";
+  // What was acknowledged survives a death on the full disk.
+  replay_->Kill();
+  std::filesystem::remove(filler);
+  replay_->Start();
+  ASSERT_TRUE(actor_->PumpUntilStored(stored + 100)) << replay_->Log();
+  replay_->Kill();
+  const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  ExpectStoredOnce(*chunks, *actor_, 100);
+}
+
+TEST_F(ReplayFault, AReadOnlyFolderIsOneLineAtTheStartAndTouchesNothing) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root may mount a read-only file system";
+  TinyDisk disk(folder_.path() / "run" / "replay", "16m");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  Launch();
+  AddChunks(20);
+  ASSERT_TRUE(actor_->PumpUntilStored(20));
+  ASSERT_EQ(replay_->Terminate(), 0) << replay_->Log();
+  ASSERT_TRUE(disk.MakeReadOnly()) << std::strerror(errno);
+  const std::string before = replay_->Log();
+  replay_->Start();
+  EXPECT_EQ(replay_->WaitForExit(), 1);
+  const std::string log = replay_->Log().substr(before.size());
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+  EXPECT_THAT(log, HasSubstr("the file system is read-only: choose another folder"));
+  EXPECT_THAT(log, HasSubstr(Shard().string()));
+}
+
+TEST_F(ReplayFault, DamagedFilesCostWhatWasDamagedAndServiceGoesOn) {
+  config_.replay.segment_bytes = 1 << 16;
+  Launch();
+  AddChunks(600);
+  ASSERT_TRUE(actor_->PumpUntilStored(600)) << replay_->Log();
+  replay_->Kill();
+  Random random(7);
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_TRUE(learner_->WaitForNoReplay());
+    std::vector<std::filesystem::path> segments;
+    for (const auto& entry : std::filesystem::directory_iterator(Shard())) {
+      if (entry.path().filename().string().starts_with("segment-")) segments.push_back(entry.path());
+    }
+    ASSERT_FALSE(segments.empty());
+    const auto& victim = segments[random.Below(segments.size())];
+    std::fstream file(victim, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(random.Below(std::filesystem::file_size(victim))));
+    file.put('\x5a');
+    file.close();
+    std::filesystem::resize_file(segments.back(), std::filesystem::file_size(segments.back()) - 1);
+    replay_->Start();
+    ASSERT_TRUE(learner_->WaitForReplay()) << replay_->Log();
+    AddChunks(20);
+    ASSERT_TRUE(actor_->PumpUntilStored(actor_->produced())) << replay_->Log();
+    ASSERT_FALSE(learner_->Fetch(16).bytes.empty()) << replay_->Log();
+    replay_->Kill();
+  }
+  EXPECT_THAT(replay_->Log(), HasSubstr("damaged or torn bytes"));
+  const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  EXPECT_GE(chunks->size(), 660u - 6u) << "each round damaged two records at most";
+  for (const auto& [identity, copies] : *chunks) {
+    EXPECT_EQ(copies.size(), 1u);
+    EXPECT_EQ(copies[0], actor_->chunk(identity.sequence));
+  }
+}
+
+TEST_F(ReplayFault, ALearnerThatTakesNothingHoldsUpNobody) {
+  config_.replay.max_times_sampled = 0;
+  Launch();
+  AddChunks(50);
+  ASSERT_TRUE(actor_->PumpUntilStored(50));
+  // More than the learner's reader (16) and the writer's cache take together.
+  std::vector<uint64_t> requests;
+  for (int i = 0; i < 40; ++i) requests.push_back(learner_->Ask(1024));
+  AddChunks(400);
+  EXPECT_TRUE(actor_->PumpUntilStored(450)) << replay_->Log();
+  for (const uint64_t request : requests) {
+    EXPECT_TRUE(Eventually([&] { return learner_->RepliesTo(request).size() == 1; }));
+  }
+}
+
+// What the replay tells the monitor.
+std::optional<ProcessStatus> NextStatus(TelemetrySubscriber& telemetry) {
+  std::optional<ProcessStatus> last;
+  telemetry.Poll(std::chrono::milliseconds(100), [&](const ProcessStatus& status) { last = status; }, {});
+  return last;
+}
+
+TEST_F(ReplayFault, WhatAnInsaneActorSendsIsCountedAndChangesNothing) {
+  config_.telemetry.interval_s = 0.1;
+  const auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
+  Launch();
+  AddChunks(10);
+  ASSERT_TRUE(actor_->PumpUntilStored(10));
+
+  const auto with_checksum = [](std::vector<std::byte> bytes) {
+    const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+    std::memcpy(&bytes[bytes.size() - 8], &checksum, 8);
+    return bytes;
+  };
+  const auto changed = [&](size_t at, uint32_t value) {
+    std::vector<std::byte> bytes = Build({.identity = {1, 100, 11}});
+    std::memcpy(&bytes[at], &value, sizeof(value));
+    return with_checksum(bytes);
+  };
+  std::vector<std::byte> shorter = Build({.identity = {1, 100, 11}});
+  shorter.resize(shorter.size() - 9);
+  std::vector<std::vector<std::byte>> rejected = {
+      std::vector<std::byte>(5000, std::byte{0x5a}),  // garbage
+      {},
+      std::vector<std::byte>(size_t{4} << 20, std::byte{0}),  // the largest that the topic lets through
+      changed(4, 999),                                        // of another version
+      changed(16, 0),                                         // no frames
+      changed(16, 0xffffffff),                                // too many
+      changed(20, 0x7fffffff),                                // payloads beyond the end
+      with_checksum(shorter),
+  };
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<std::byte> bytes = Build({.identity = {1, 100, 11}});
+    bytes[random.Below(bytes.size())] ^= static_cast<std::byte>(1 + random.Below(255));
+    rejected.push_back(std::move(bytes));
+  }
+  std::vector<std::vector<std::byte>> duplicates;
+  for (uint64_t sequence = 1; sequence <= 10; ++sequence) duplicates.push_back(actor_->chunk(sequence));
+  for (auto& bytes : rejected) {
+    ASSERT_TRUE(Eventually([&] { return actor_->Send(bytes, 1); })) << replay_->Log();
+  }
+  for (auto& bytes : duplicates) ASSERT_TRUE(Eventually([&] { return actor_->Send(bytes, 1); }));
+
+  std::optional<ProcessStatus> status;
+  EXPECT_TRUE(Eventually([&] {
+    if (const auto next = NextStatus(**telemetry)) status = next;
+    return status && (*status)[Metric::kRejectedChunks] >= static_cast<double>(rejected.size()) &&
+           (*status)[Metric::kDuplicateChunks] >= static_cast<double>(duplicates.size());
+  })) << (status ? (*status)[Metric::kRejectedChunks] : -1.0)
+      << replay_->Log();
+  EXPECT_EQ((*status)[Metric::kRejectedChunks], static_cast<double>(rejected.size()));
+  EXPECT_EQ((*status)[Metric::kFramesHeld], 10.0 * kFrames);
+
+  AddChunks(10);
+  ASSERT_TRUE(actor_->PumpUntilStored(20)) << replay_->Log();
+  replay_->Kill();
+  const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  EXPECT_EQ(chunks->size(), 20u);
+  ExpectStoredOnce(*chunks, *actor_, 100);
+}
+
+}  // namespace
+}  // namespace dadrl
