@@ -6,46 +6,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "common/io/npy.h"
 #include "common/nn/param_layout.h"
 
 namespace dadrl::golden {
 
-// The bytes of tests/golden/<name>.npy behind its header; `dtype` is NumPy's, "<f4" or "|u1".
-inline std::vector<char> ReadNpy(const std::string& name, const std::string& dtype) {
+// The numbers of tests/golden/<name>.npy.
+template <typename T>
+std::vector<T> Numbers(const std::string& name) {
   const std::string path = std::string(DADRL_SOURCE_DIR) + "/tests/golden/" + name + ".npy";
-  std::ifstream file(path, std::ios::binary);
-  std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
-  if (bytes.size() < 10 || std::memcmp(bytes.data(), "\x93NUMPY", 6) != 0) {
-    ADD_FAILURE() << path << " is missing or no .npy file";
+  auto array = ReadNpy<T>(path, uint64_t{1} << 30);
+  if (!array) {
+    ADD_FAILURE() << array.error().message;
     return {};
   }
-  uint16_t header = 0;
-  std::memcpy(&header, bytes.data() + 8, sizeof(header));
-  const std::string text(bytes.data() + 10, header);
-  EXPECT_NE(text.find("'" + dtype + "'"), std::string::npos) << path << " holds no " << dtype;
-  EXPECT_EQ(text.find("'fortran_order': True"), std::string::npos) << path;
-  bytes.erase(bytes.begin(), bytes.begin() + 10 + header);
-  return bytes;
+  return std::move(array->values);
 }
 
-inline std::vector<float> Floats(const std::string& name) {
-  const std::vector<char> bytes = ReadNpy(name, "<f4");
-  std::vector<float> values(bytes.size() / sizeof(float));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
-  return values;
-}
-
-inline std::vector<uint8_t> Bytes(const std::string& name) {
-  const std::vector<char> bytes = ReadNpy(name, "|u1");
-  return {bytes.begin(), bytes.end()};
-}
+inline std::vector<float> Floats(const std::string& name) { return Numbers<float>(name); }
+inline std::vector<uint8_t> Bytes(const std::string& name) { return Numbers<uint8_t>(name); }
 
 // The `uniform` of make_golden.py: values in [-scale, scale).
 inline std::vector<float> Uniform(uint64_t salt, size_t count, float scale = 1.0f) {
