@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "deploy/cli/command.h"
+#include "deploy/local/shipped_policies.h"
 #include "deploy/open_model/recorded_observations.h"
 
 namespace dadrl {
@@ -16,7 +17,8 @@ struct ActOptions {
 };
 
 Result<int> RunAct(const ActOptions& options) {
-  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(options.policy));
+  DADRL_ASSIGN_OR_RETURN(const std::string file, ResolvePolicy(options.policy));
+  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(file));
   DADRL_ASSIGN_OR_RETURN(
       const ObservationBatch observations,
       LoadRecordedObservations(options.observations, ObservationSpec::From(policy.config.observation)));
@@ -34,7 +36,7 @@ Result<int> RunAct(const ActOptions& options) {
 Command MakeActCommand(CLI::App& dadrl) {
   auto options = std::make_shared<ActOptions>();
   CLI::App* app = dadrl.add_subcommand("act", "Say what a policy does on recorded observations");
-  app->add_option("--policy", options->policy, "Policy file")->required();
+  app->add_option("--policy", options->policy, "Policy file, or pretrained:NAME")->required();
   app->add_option("--observations", options->observations,
                   "Folder with vehicles.npy, ego.npy and context.npy (docs/open_models.md)")
       ->required()

@@ -25,6 +25,7 @@ Command MakeDoctorCommand(CLI::App& dadrl);
 Command MakeConfigCommand(CLI::App& dadrl);
 Command MakeExportCommand(CLI::App& dadrl);
 Command MakeActCommand(CLI::App& dadrl);
+Command MakePoliciesCommand(CLI::App& dadrl);
 
 // Options shared by commands that take a configuration.
 struct ConfigOptions {

@@ -16,6 +16,7 @@
 #include "deploy/cli/command.h"
 #include "deploy/local/evaluation_job.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/shipped_policies.h"
 #include "deploy/local/signals.h"
 
 namespace dadrl {
@@ -37,17 +38,17 @@ constexpr int kTickMs = 200;
 
 // A file is read here, so that a damaged one is one clear message; any other word is left to dadrl-actor,
 // which knows the scripted drivers. Fills in the scenario a learned policy was trained on.
-Status CheckPolicy(const EvaluateOptions& options, Config& config) {
+Status CheckPolicy(const std::string& policy, const std::string& scenario, Config& config) {
   std::error_code error;
-  const bool is_file = std::filesystem::exists(options.policy, error);
-  const bool looks_like_file = options.policy.find_first_of("/.") != std::string::npos;
+  const bool is_file = std::filesystem::exists(policy, error);
+  const bool looks_like_file = policy.find_first_of("/.") != std::string::npos;
   if (!is_file && !looks_like_file) {
-    if (!options.scenario.empty()) return {};
-    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}",
-                options.policy, fmt::join(ScenarioNames(), ", "));
+    if (!scenario.empty()) return {};
+    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}", policy,
+                fmt::join(ScenarioNames(), ", "));
   }
-  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(options.policy));
-  if (options.scenario.empty()) config.scenario = policy.config.scenario;
+  DADRL_ASSIGN_OR_RETURN(const PolicyFile file, LoadPolicy(policy));
+  if (scenario.empty()) config.scenario = file.config.scenario;
   return {};
 }
 
@@ -77,7 +78,8 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
   if (!options.scenario.empty()) config.scenario = options.scenario;
-  DADRL_RETURN_IF_ERROR(CheckPolicy(options, config));
+  DADRL_ASSIGN_OR_RETURN(const std::string policy, ResolvePolicy(options.policy));
+  DADRL_RETURN_IF_ERROR(CheckPolicy(policy, options.scenario, config));
   DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
   DADRL_RETURN_IF_ERROR(Validate(config));
   DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
@@ -88,7 +90,7 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(
       EvaluationJob job,
       EvaluationJob::Create({.program = program,
-                             .policy = options.policy,
+                             .policy = policy,
                              .policy_label = options.policy,
                              .scenario = config.scenario,
                              .config = config_path,
@@ -119,7 +121,8 @@ Command MakeEvaluateCommand(CLI::App& dadrl) {
   CLI::App* app =
       dadrl.add_subcommand("evaluate", "Drive unseen traffic with a policy and report how it went");
   app->add_option("--policy", options->policy,
-                  "Policy file, or a scripted driver: random, rdm, slow, idm, predictive")
+                  "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
+                  "rdm, slow, idm, predictive")
       ->required();
   app->add_option("--scenario", options->scenario, "Default: the one the policy was trained on");
   app->add_option("--episodes", options->episodes, "Of each seed group (default 50)")

@@ -8,6 +8,7 @@
 #include "common/config/config_schema.h"
 #include "common/util/log.h"
 #include "deploy/cli/command.h"
+#include "deploy/local/build_info.h"
 
 namespace dadrl {
 namespace {
@@ -35,11 +36,12 @@ bool RefuseUnknownCommand(int argc, char** argv, const std::vector<Command>& com
 int Main(int argc, char** argv) {
   InitLogging("dadrl");
   CLI::App app("Trains a vehicle to drive through dense traffic, on one machine or many.", "dadrl");
-  app.set_version_flag("--version", "dadrl " DADRL_VERSION);
+  app.set_version_flag("--version", "dadrl " DADRL_VERSION " (" + BuildCommit() + ")");
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      MakeTrainCommand(app),  MakeEvaluateCommand(app), MakeMonitorCommand(app), MakeActorCommand(app),
-      MakeDoctorCommand(app), MakeConfigCommand(app),   MakeExportCommand(app),  MakeActCommand(app)};
+      MakeTrainCommand(app),  MakeEvaluateCommand(app), MakeMonitorCommand(app),
+      MakeActorCommand(app),  MakeDoctorCommand(app),   MakeConfigCommand(app),
+      MakeExportCommand(app), MakeActCommand(app),      MakePoliciesCommand(app)};
   if (RefuseUnknownCommand(argc, argv, commands)) return kWrongUsage;
   try {
     app.parse(argc, argv);

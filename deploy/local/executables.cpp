@@ -29,10 +29,12 @@ Result<fs::path> FindExecutable(std::string_view name) {
   return path;
 }
 
+fs::path SharedFolder() { return OwnFolder().parent_path() / "share/dadrl"; }
+
 fs::path ScenarioFolder() {
   if (const char* folder = std::getenv("DADRL_SCENARIOS"); folder != nullptr && *folder != '\0')
     return folder;
-  return OwnFolder().parent_path() / "share/dadrl/scenarios";
+  return SharedFolder() / "scenarios";
 }
 
 std::vector<std::string> ScenarioNames() {

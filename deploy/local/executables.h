@@ -13,6 +13,9 @@ namespace dadrl {
 // A program that stands beside this one ("dadrl-actor"). kNotFound with the remedy when it does not.
 Result<std::filesystem::path> FindExecutable(std::string_view name);
 
+// ../share/dadrl beside the folder of this program: what is installed with it.
+std::filesystem::path SharedFolder();
+
 // $DADRL_SCENARIOS, else ../share/dadrl/scenarios beside the folder of this program.
 std::filesystem::path ScenarioFolder();
 

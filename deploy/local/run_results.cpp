@@ -5,6 +5,7 @@
 
 #include "common/io/atomic_file.h"
 #include "common/io/read_file.h"
+#include "deploy/local/build_info.h"
 
 namespace dadrl {
 namespace {
@@ -44,6 +45,8 @@ RunResults RunResults::Load(const std::filesystem::path& path, const Config& con
   results.earlier_episodes_ = Number(json, "training_episodes");
   json["scenario"] = config.scenario;
   json["seed"] = config.seed;
+  json["commit"] = BuildCommit();
+  json["machine"] = MachineName();
   if (!json["evaluations"].is_array()) json["evaluations"] = Json::array();
   return results;
 }
@@ -87,8 +90,8 @@ std::string ReportLine(const EvaluationReport& report) {
   return fmt::format(
       "success {:.1f} % [{:.1f}, {:.1f}], collision {:.1f} %, off-road {:.1f} %, stagnation {:.1f} % "
       "of {} unseen episodes",
-      100 * all.success, 100 * all.success_ci95.first, 100 * all.success_ci95.second,
-      100 * all.collision, 100 * all.off_road, 100 * all.stagnation, all.episodes);
+      100 * all.success, 100 * all.success_ci95.first, 100 * all.success_ci95.second, 100 * all.collision,
+      100 * all.off_road, 100 * all.stagnation, all.episodes);
 }
 
 }  // namespace dadrl

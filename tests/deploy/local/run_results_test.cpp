@@ -43,6 +43,8 @@ TEST(RunResults, AccumulateOverSessions) {
 
   const json saved = json::parse(FileText(file));
   EXPECT_EQ(saved["state"], "finished");
+  EXPECT_FALSE(saved["commit"].get<std::string>().empty());
+  EXPECT_THAT(saved["machine"].get<std::string>(), HasSubstr(" cores"));
   EXPECT_EQ(saved["training_s"], 80.0);
   EXPECT_EQ(saved["updates"], 150);
   EXPECT_EQ(saved["env_steps"], 6000);
