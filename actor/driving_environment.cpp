@@ -3,11 +3,14 @@
 #include <cmath>
 #include <utility>
 
+#include "actor/mixed_environment.h"
 #include "actor/sim/scenario.h"
+#include "common/config/config_schema.h"
 
 namespace dadrl {
 
 Result<std::unique_ptr<Environment>> MakeDrivingEnvironment(const Config& config) {
+  if (config.scenario == kAllScenarios) return MixedEnvironment::Create(config);
   return DrivingEnvironment::Create(config);
 }
 

@@ -23,7 +23,8 @@ struct EnvironmentOptions {
 // the scene. Not thread safe. A step allocates nothing beyond what SUMO does.
 class DrivingEnvironment final : public Environment {
  public:
-  // Errors as MakeDrivingEnvironment; kInternal when the process already has an environment.
+  // For a single scenario; errors as MakeDrivingEnvironment. Of a process's environments only the one reset
+  // last can be stepped (actor/sim/simulation.h).
   static Result<std::unique_ptr<DrivingEnvironment>> Create(const Config& config,
                                                             const EnvironmentOptions& options = {});
 

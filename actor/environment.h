@@ -1,5 +1,4 @@
-// The driving task as an agent sees it: reset, observe, act. One environment a process (libsumo holds one
-// simulation).
+// The driving task as an agent sees it: reset, observe, act.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +43,8 @@ class Environment {
   virtual const EpisodeSummary& summary() const = 0;
 };
 
-// Checks the configuration, finds the scenario's files. kInvalidArgument names an unknown scenario and the
-// nearest one.
+// Checks the configuration, finds the scenario's files. With the scenario "all" each episode's seed draws
+// one. kInvalidArgument names an unknown scenario and the nearest one.
 Result<std::unique_ptr<Environment>> MakeDrivingEnvironment(const Config& config);
 
 }  // namespace dadrl

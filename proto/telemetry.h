@@ -77,6 +77,8 @@ struct ProcessStatus {
 // One finished episode. `outcome` is the integer of actor's Outcome: success, collision, off_road,
 // stagnation.
 struct EpisodeReport {
+  static constexpr size_t kMaxScenarioName = 31;
+
   int actor = 0;
   uint64_t incarnation = 0;
   uint64_t episode = 0;
@@ -88,6 +90,7 @@ struct EpisodeReport {
   double mean_speed_mps = 0.0;
   double humanness_error = 0.0;
   double overall_score = 0.0;
+  std::string scenario;  // cut to kMaxScenarioName characters
   uint32_t policy_version = 0;
   int64_t sent_ns = 0;
 };

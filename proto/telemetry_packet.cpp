@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <string>
 
 #include "dadrl_lcm/episode_report.hpp"
 #include "dadrl_lcm/process_status.hpp"
@@ -49,6 +51,16 @@ bool AllFinite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
+// What can stand in a CSV cell up to the first zero, and nothing but zeros behind it.
+std::optional<std::string> TextOf(std::span<const uint8_t> bytes) {
+  const auto end = std::find(bytes.begin(), bytes.end(), 0);
+  const bool printable =
+      std::all_of(bytes.begin(), end, [](uint8_t c) { return c > ' ' && c < 0x7f && c != ',' && c != '"'; });
+  const bool padded = end != bytes.end() && std::all_of(end, bytes.end(), [](uint8_t c) { return c == 0; });
+  if (!printable || !padded) return std::nullopt;
+  return std::string(bytes.begin(), end);
+}
+
 }  // namespace
 
 std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
@@ -81,6 +93,8 @@ std::vector<std::byte> EncodePacket(const EpisodeReport& report) {
   message.mean_speed_mps = report.mean_speed_mps;
   message.humanness_error = report.humanness_error;
   message.overall_score = report.overall_score;
+  std::copy_n(report.scenario.begin(), std::min(report.scenario.size(), EpisodeReport::kMaxScenarioName),
+              message.scenario);
   return Encode(message);
 }
 
@@ -114,6 +128,8 @@ Result<EpisodeReport> DecodeEpisodePacket(std::span<const std::byte> packet) {
       !AllFinite(numbers)) {
     return Fail(ErrorCode::kCorrupt, "episode report with a value out of range");
   }
+  const auto scenario = TextOf(message.scenario);
+  if (!scenario) return Fail(ErrorCode::kCorrupt, "episode report whose scenario is not a name");
   EpisodeReport report;
   report.actor = message.actor;
   report.outcome = message.outcome;
@@ -128,6 +144,7 @@ Result<EpisodeReport> DecodeEpisodePacket(std::span<const std::byte> packet) {
   report.mean_speed_mps = message.mean_speed_mps;
   report.humanness_error = message.humanness_error;
   report.overall_score = message.overall_score;
+  report.scenario = *scenario;
   return report;
 }
 

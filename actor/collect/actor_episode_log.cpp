@@ -18,7 +18,7 @@ constexpr std::string_view kHeader =
     "time_s,incarnation,episode,seed,outcome,steps,return,progress,mean_speed_mps,humanness_error,obstacle_"
     "cost,"
     "jerk_cost,lane_offset_cost,rule_violation,distance_to_destination,time_cost,overall_score,policy_"
-    "version\n";
+    "version,scenario\n";
 
 Error Failure(const std::filesystem::path& path, int error) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path.string(), std::strerror(error))};
@@ -49,12 +49,13 @@ Result<ActorEpisodeLog> ActorEpisodeLog::Open(const std::filesystem::path& path)
 Status ActorEpisodeLog::Append(uint64_t incarnation, int64_t wall_time_ns, const CollectedEpisode& episode) {
   const EpisodeSummary& s = episode.summary;
   const std::string row = fmt::format(
-      "{:.3f},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}"
+      "{:.3f},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},"
+      "{}"
       "\n",
       static_cast<double>(wall_time_ns) / 1e9, incarnation, episode.episode, s.seed, OutcomeName(s.outcome),
       s.steps, s.episode_return, s.progress, s.mean_speed_mps, s.humanness_error, s.obstacle_cost,
       s.jerk_cost, s.lane_offset_cost, s.rule_violation, s.distance_to_destination, s.time_cost,
-      s.overall_score, episode.policy_version);
+      s.overall_score, episode.policy_version, s.scenario);
   return AppendWhole(file_, std::as_bytes(std::span(row)), path_);
 }
 

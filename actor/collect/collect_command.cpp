@@ -27,6 +27,7 @@ EpisodeReport ReportOf(const CollectedEpisode& episode, int actor, uint64_t inca
   report.incarnation = incarnation;
   report.episode = episode.episode;
   report.seed = episode.summary.seed;
+  report.scenario = episode.summary.scenario;
   report.outcome = static_cast<int>(episode.summary.outcome);
   report.steps = episode.summary.steps;
   report.episode_return = episode.summary.episode_return;

@@ -3,7 +3,6 @@
 #include <libsumo/libsumo.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 
 #include "actor/sim/ego_motion.h"
@@ -17,7 +16,8 @@
 namespace dadrl {
 namespace {
 
-std::atomic<bool> process_has_simulation{false};
+// Whose network and traffic SUMO holds: the simulation that was created or reset last.
+const Simulation* sumo_holds = nullptr;
 
 bool IsFinite(const EgoState& ego) {
   return std::isfinite(ego.pose.position.x) && std::isfinite(ego.pose.position.y) &&
@@ -210,11 +210,8 @@ void Simulation::Impl::FollowSumoEgo() {
 
 Result<std::unique_ptr<Simulation>> Simulation::Create(const Scenario& scenario,
                                                        const SimulationOptions& options) {
-  if (process_has_simulation.exchange(true)) {
-    return Fail(ErrorCode::kInternal, "this process already has a simulation; libsumo holds only one");
-  }
-  // Gives the process back when anything below fails.
   std::unique_ptr<Simulation> simulation(new Simulation);
+  sumo_holds = simulation.get();
   DADRL_ASSIGN_OR_RETURN(MemoryFile route_file, MemoryFile::Create("dadrl-traffic"));
   DADRL_ASSIGN_OR_RETURN(StderrCapture complaints, StderrCapture::Start());
   Status created;
@@ -232,27 +229,40 @@ Result<std::unique_ptr<Simulation>> Simulation::Create(const Scenario& scenario,
 Simulation::Simulation() = default;
 
 Simulation::~Simulation() {
+  if (sumo_holds != this) return;
+  sumo_holds = nullptr;
   // A failure to close has no one left to act on it; the next load closes first anyway.
   (void)Guard("closing", []() -> Status {
     libsumo::Simulation::close();
     return {};
   });
-  process_has_simulation = false;
 }
 
 const RoadMap& Simulation::map() const { return impl_->plan().map; }
 const Route& Simulation::route() const { return impl_->plan().route; }
 const WorldState& Simulation::world() const { return impl_->world(); }
 bool Simulation::ego_arrived() const { return impl_->ego_arrived(); }
-Status Simulation::Reset(uint64_t seed) { return impl_->Reset(seed); }
+
+Status Simulation::Reset(uint64_t seed) {
+  sumo_holds = this;
+  return impl_->Reset(seed);
+}
+
+Status Simulation::CheckHeld() const {
+  if (sumo_holds == this) return {};
+  return Fail(ErrorCode::kInternal,
+              "another simulation of this process was reset since; libsumo holds one at a time");
+}
 
 Status Simulation::Step(const EgoState& ego) {
   assert(impl_->driver() == EgoDriver::kCaller);
+  DADRL_RETURN_IF_ERROR(CheckHeld());
   return impl_->Step(&ego);
 }
 
 Status Simulation::StepSumoDriver() {
   assert(impl_->driver() == EgoDriver::kSumo);
+  DADRL_RETURN_IF_ERROR(CheckHeld());
   return impl_->Step(nullptr);
 }
 

@@ -24,12 +24,13 @@ struct SimulationOptions {
   int spawn_limit_steps = 600;          // how long the ego waits for a free start
 };
 
-// libsumo holds one simulation a process, so does this class. Not thread safe: create and use it on one
-// thread. Nothing is written to standard output.
+// libsumo holds one simulation a process. A process may have several of these, all on one thread: the one
+// that was created or reset last is the one that runs, and stepping another is kInternal until it is reset.
+// Not thread safe. Nothing is written to standard output.
 class Simulation {
  public:
   // Loads the network and checks the scenario against it. kInvalidArgument: a lane or edge that the network
-  // does not have. kInternal: SUMO refuses the network, or the process already has a simulation.
+  // does not have. kInternal: SUMO refuses the network.
   static Result<std::unique_ptr<Simulation>> Create(const Scenario& scenario,
                                                     const SimulationOptions& options);
   ~Simulation();
@@ -60,6 +61,7 @@ class Simulation {
  private:
   class Impl;
   Simulation();
+  Status CheckHeld() const;
   std::unique_ptr<Impl> impl_;
 };
 

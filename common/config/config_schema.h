@@ -12,6 +12,9 @@
 
 namespace dadrl {
 
+// The value of `scenario` that means all of them: every episode's seed draws one.
+inline constexpr const char* kAllScenarios = "all";
+
 struct ConfigField {
   std::string key;   // dotted: "algorithm.gamma"
   std::string help;  // one sentence, with the unit

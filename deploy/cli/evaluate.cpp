@@ -124,7 +124,8 @@ Command MakeEvaluateCommand(CLI::App& dadrl) {
                   "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
                   "rdm, slow, idm, predictive")
       ->required();
-  app->add_option("--scenario", options->scenario, "Default: the one the policy was trained on");
+  app->add_option("--scenario", options->scenario,
+                  "Name, or all: every episode in each (default: what the policy was trained on)");
   app->add_option("--episodes", options->episodes, "Of each seed group (default 50)")
       ->check(CLI::Range(1, 1000));
   app->add_option("--seeds", options->groups, "Seed groups (default 5)")->check(CLI::Range(1, 1000));

@@ -87,7 +87,7 @@ Result<int> RunInLockstep(const TrainOptions& options) {
 
 Result<int> RunTrain(const TrainOptions& options) {
   if (options.scenario.empty() && !options.resume) {
-    return Fail(ErrorCode::kInvalidArgument, "which scenario? There are: {}",
+    return Fail(ErrorCode::kInvalidArgument, "which scenario? There are: {}, all",
                 fmt::join(ScenarioNames(), ", "));
   }
   if (options.deterministic) return RunInLockstep(options);
@@ -124,7 +124,8 @@ Command MakeTrainCommand(CLI::App& dadrl) {
   auto options = std::make_shared<TrainOptions>();  // lives as long as the parser's references to it
   CLI::App* app = dadrl.add_subcommand("train", "Train on a local cluster: replay, learner, actors");
   app->add_option("scenario", options->scenario,
-                  "What to learn: " + fmt::format("{}", fmt::join(ScenarioNames(), ", ")));
+                  "What to learn: " + fmt::format("{}", fmt::join(ScenarioNames(), ", ")) +
+                      "; or all: one policy for them all");
   app->add_option("--actors", options->actors, "Actor processes (actor.count)");
   app->add_option("--minutes", options->minutes, "Minutes of training; 0 is until stopped (minutes)");
   app->add_option("--seed", options->seed, "Of everything random (seed)");

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kHeader =
     "time_s,actor,episode,seed,outcome,steps,return,progress,mean_speed_mps,humanness_error,overall_score,"
-    "policy_version\n";
+    "policy_version,scenario\n";
 
 // Bytes up to and including the last line break.
 off_t WholeRows(const FileDescriptor& file) {
@@ -40,11 +40,12 @@ Result<EpisodeLog> EpisodeLog::Open(const std::filesystem::path& path) {
 }
 
 Status EpisodeLog::Append(const EpisodeReport& report) {
-  const std::string row = fmt::format(
-      "{:.3f},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n",
-      static_cast<double>(report.sent_ns) / 1e9, report.actor, report.episode, report.seed,
-      OutcomeName(static_cast<Outcome>(report.outcome)), report.steps, report.episode_return, report.progress,
-      report.mean_speed_mps, report.humanness_error, report.overall_score, report.policy_version);
+  const std::string row =
+      fmt::format("{:.3f},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{}\n",
+                  static_cast<double>(report.sent_ns) / 1e9, report.actor, report.episode, report.seed,
+                  OutcomeName(static_cast<Outcome>(report.outcome)), report.steps, report.episode_return,
+                  report.progress, report.mean_speed_mps, report.humanness_error, report.overall_score,
+                  report.policy_version, report.scenario);
   return WriteAll(file_, std::as_bytes(std::span(row)), path_);
 }
 

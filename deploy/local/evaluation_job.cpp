@@ -8,6 +8,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/config/config_schema.h"
+#include "deploy/local/executables.h"
 #include "deploy/local/log_tail.h"
 
 namespace dadrl {
@@ -73,9 +75,14 @@ std::vector<EvaluationSlice> SliceEpisodes(const std::vector<PlannedEpisode>& ep
 Result<EvaluationJob> EvaluationJob::Create(EvaluationPlan plan) {
   DADRL_ASSIGN_OR_RETURN(const auto episodes, PlanEpisodes(plan.first_seed, plan.groups, plan.episodes));
   EvaluationJob job(std::move(plan));
-  job.planned_ = static_cast<int>(episodes.size());
-  for (const EvaluationSlice& slice : SliceEpisodes(episodes, job.plan_.processes))
-    job.waiting_.push_back({slice});
+  const std::vector<std::string> scenarios =
+      job.plan_.scenario == kAllScenarios ? ScenarioNames() : std::vector{job.plan_.scenario};
+  job.planned_ = static_cast<int>(episodes.size() * scenarios.size());
+  for (const std::string& scenario : scenarios) {
+    for (const EvaluationSlice& slice : SliceEpisodes(episodes, job.plan_.processes)) {
+      job.waiting_.push_back({scenario, slice});
+    }
+  }
   std::reverse(job.waiting_.begin(), job.waiting_.end());
   return job;
 }
@@ -98,14 +105,15 @@ Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
   std::vector<std::string> command = {
       plan_.program, "evaluate",
       "--policy",    plan_.policy,
-      "--scenario",  plan_.scenario,
+      "--scenario",  next.scenario,
       "--seeds",     fmt::format("{}:{}", next.slice.first_seed, next.slice.count)};
   if (!plan_.config.empty()) command.insert(command.end(), {"--config", plan_.config});
   DADRL_ASSIGN_OR_RETURN(
       ChildProcess child,
       ChildProcess::Spawn(
           {.command = std::move(command), .log = PathOf(log), .stdout_fd = lines.get(), .nice = plan_.nice}));
-  return Worker{next.slice, next.attempts + 1, std::move(child), std::move(lines), std::move(log)};
+  return Worker{next.scenario,    next.slice,       next.attempts + 1,
+                std::move(child), std::move(lines), std::move(log)};
 }
 
 void EvaluationJob::Step() {
@@ -147,6 +155,7 @@ void EvaluationJob::Gather(Worker& worker, const ExitStatus& status) {
       return;
     }
     episode->group = worker.slice.group;
+    episode->summary.scenario = worker.scenario;
     episodes_.push_back(std::move(*episode));
     ++done;
   }
@@ -160,7 +169,7 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
   // One retry for each episode: progress starts the count anew.
   const int attempts = done > 0 ? 1 : worker.attempts;
   if (!refused && attempts < kMaxAttempts) {
-    waiting_.push_back({rest, attempts});
+    waiting_.push_back({worker.scenario, rest, attempts});
     return;
   }
   const std::vector<std::string> log = LogTail(PathOf(worker.log), kTailLines);
@@ -168,12 +177,12 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
     // The simulator aborts on this traffic: the episode is lost, the evaluation is not.
     EvaluatedEpisode lost;
     lost.group = rest.group;
-    lost.summary.scenario = plan_.scenario;
+    lost.summary.scenario = worker.scenario;
     lost.summary.seed = rest.first_seed;
     lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(),
                              log.empty() ? "" : WithoutStamp(log.back()));
     episodes_.push_back(std::move(lost));
-    if (rest.count > 1) waiting_.push_back({Rest(rest, 1), 0});
+    if (rest.count > 1) waiting_.push_back({worker.scenario, Rest(rest, 1), 0});
     return;
   }
   if (refused && !log.empty()) {

@@ -20,8 +20,8 @@ struct EvaluationPlan {
   std::filesystem::path program;  // dadrl-actor, or what speaks its line protocol
   std::string policy;             // policy file or a scripted driver's name
   std::string policy_label;       // how the report calls it
-  std::string scenario;
-  std::filesystem::path config;  // passed on as --config; empty: none
+  std::string scenario;           // a name, or "all": every episode in each of them
+  std::filesystem::path config;   // passed on as --config; empty: none
   uint64_t first_seed = kFirstEvaluationSeed;
   int groups = 1;
   int episodes = 50;  // of each group
@@ -64,6 +64,7 @@ class EvaluationJob {
 
  private:
   struct Worker {
+    std::string scenario;
     EvaluationSlice slice;
     int attempts = 1;
     ChildProcess child;
@@ -71,6 +72,7 @@ class EvaluationJob {
     FileDescriptor log;    // its standard error, in memory
   };
   struct Waiting {
+    std::string scenario;
     EvaluationSlice slice;
     int attempts = 0;
   };

@@ -53,7 +53,7 @@ Status CheckScenario(const std::string& name) {
     return Fail(ErrorCode::kNotFound, "no scenarios in {}: build everything (cmake --build --preset release)",
                 ScenarioFolder().string());
   }
-  if (name == "all" || std::find(names.begin(), names.end(), name) != names.end()) return {};
+  if (name == kAllScenarios || std::find(names.begin(), names.end(), name) != names.end()) return {};
   return Fail(ErrorCode::kInvalidArgument, "unknown scenario '{}'; the nearest is '{}' (there are: {})", name,
               NearestName(name, names), fmt::join(names, ", "));
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "proto/evaluation/episode_summary.h"
+
 namespace dadrl {
 namespace {
 
@@ -74,7 +76,11 @@ void AddRecentEpisodes(const std::deque<EpisodeReport>& episodes, ClusterSummary
   for (const EpisodeReport& report : episodes) {
     *rates[static_cast<size_t>(report.outcome)] += part;
     summary.recent_return += part * report.episode_return;
+    RecentRate& rate = summary.recent_scenarios[report.scenario];
+    ++rate.episodes;
+    if (report.outcome == static_cast<int>(Outcome::kSuccess)) rate.success += 1.0;
   }
+  for (auto& [name, rate] : summary.recent_scenarios) rate.success /= rate.episodes;
 }
 
 }  // namespace

@@ -45,6 +45,11 @@ struct ProcessRow {
   double Share(Activity activity) const { return share[static_cast<size_t>(activity)]; }
 };
 
+struct RecentRate {
+  int episodes = 0;
+  double success = 0.0;
+};
+
 struct ClusterSummary {
   std::vector<ProcessRow> processes;  // learner, replays, actors; each by index
   int actors_alive = 0;
@@ -78,6 +83,7 @@ struct ClusterSummary {
   double recent_off_road = 0.0;
   double recent_stagnation = 0.0;
   double recent_return = 0.0;
+  std::map<std::string, RecentRate> recent_scenarios;  // the same episodes by scenario
 };
 
 std::string RoleName(dds::Role role);

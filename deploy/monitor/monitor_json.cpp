@@ -36,6 +36,14 @@ Json ProcessJson(const ProcessRow& row) {
           {"metrics", metrics}};
 }
 
+Json ScenariosJson(const std::map<std::string, RecentRate>& scenarios) {
+  Json json = Json::object();
+  for (const auto& [name, rate] : scenarios) {
+    json[name] = {{"count", rate.episodes}, {"success", Finite(rate.success)}};
+  }
+  return json;
+}
+
 }  // namespace
 
 Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
@@ -72,7 +80,8 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
             {"collision", Finite(summary.recent_collision)},
             {"off_road", Finite(summary.recent_off_road)},
             {"stagnation", Finite(summary.recent_stagnation)},
-            {"mean_return", Finite(summary.recent_return)}}},
+            {"mean_return", Finite(summary.recent_return)},
+            {"scenarios", ScenariosJson(summary.recent_scenarios)}}},
           {"actors_alive", summary.actors_alive},
           {"processes", processes}};
 }

@@ -31,6 +31,7 @@ EpisodeReport SomeReport() {
   report.incarnation = 0xfedcba9876543210;
   report.episode = 77;
   report.seed = 999999;
+  report.scenario = "left_turn";
   report.outcome = 2;
   report.steps = 800;
   report.episode_return = -1.25;
@@ -71,6 +72,23 @@ TEST(TelemetryPacket, KeepsEveryField) {
       std::tie(b.actor, b.incarnation, b.episode, b.seed, b.outcome, b.steps, b.episode_return, b.progress));
   EXPECT_EQ(std::tie(a.mean_speed_mps, a.humanness_error, a.overall_score, a.policy_version, a.sent_ns),
             std::tie(b.mean_speed_mps, b.humanness_error, b.overall_score, b.policy_version, b.sent_ns));
+  EXPECT_EQ(b.scenario, "left_turn");
+}
+
+TEST(TelemetryPacket, CutsALongScenarioAndRefusesOneThatIsNoName) {
+  EpisodeReport report = SomeReport();
+  report.scenario.clear();
+  EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, "");
+  report.scenario = std::string(40, 'x');
+  EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, std::string(31, 'x'));
+  for (const char* bad : {"left turn", "left,turn", "left\nturn", "left\"turn", "\xff"}) {
+    report.scenario = bad;
+    EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report))) << bad;
+  }
+  report.scenario = "x";
+  std::vector<std::byte> unterminated = EncodePacket(report);
+  std::fill(unterminated.end() - 32, unterminated.end(), std::byte{'x'});
+  EXPECT_FALSE(DecodeEpisodePacket(unterminated));
 }
 
 TEST(TelemetryPacket, RefusesWhatIsNotExactlyOnePacket) {

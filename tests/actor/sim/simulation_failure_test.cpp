@@ -73,10 +73,16 @@ TEST(SimulationFailure, WrongProfileIsToldInSumosWords) {
   EXPECT_THAT(ErrorOf(scenario).message, HasSubstr("decel"));
 }
 
-TEST(SimulationFailure, OneSimulationAProcess) {
+TEST(SimulationFailure, OfSeveralOnlyTheOneResetLastRuns) {
   const auto first = Simulation::Create(LeftTurn(), {});
-  ASSERT_TRUE(first);
-  EXPECT_THAT(ErrorOf(LeftTurn()).message, HasSubstr("already has a simulation"));
+  ASSERT_TRUE((*first)->Reset(1));
+  const auto second = Simulation::Create(LoadScenario("double_merge").value(), {});
+  EXPECT_THAT((*first)->Step((*first)->world().ego).error().message, HasSubstr("one at a time"));
+  ASSERT_TRUE((*second)->Reset(1));
+  EXPECT_TRUE((*second)->Step((*second)->world().ego));
+  EXPECT_FALSE((*first)->Step((*first)->world().ego));
+  ASSERT_TRUE((*first)->Reset(1));
+  EXPECT_TRUE((*first)->Step((*first)->world().ego));
 }
 
 TEST(SimulationFailure, StepBeforeResetIsRefused) {

@@ -12,6 +12,7 @@ using ::testing::StartsWith;
 
 EpisodeReport Report(uint64_t episode) {
   EpisodeReport report;
+  report.scenario = "left_turn";
   report.actor = 2;
   report.episode = episode;
   report.outcome = 1;
@@ -31,9 +32,9 @@ TEST(EpisodeLog, WritesAHeaderOnceAndARowAnEpisode) {
   EXPECT_EQ(
       FileText(file),
       "time_s,actor,episode,seed,outcome,steps,return,progress,mean_speed_mps,humanness_error,overall_score,"
-      "policy_version\n"
-      "1.500,2,10,0,collision,0,-0.5,0,0,0,0,0\n"
-      "1.500,2,11,0,collision,0,-0.5,0,0,0,0,0\n");
+      "policy_version,scenario\n"
+      "1.500,2,10,0,collision,0,-0.5,0,0,0,0,0,left_turn\n"
+      "1.500,2,11,0,collision,0,-0.5,0,0,0,0,0,left_turn\n");
 }
 
 TEST(EpisodeLog, CutsOffHalfARowThatAKilledLauncherLeft) {

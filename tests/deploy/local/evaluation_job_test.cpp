@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <cstdlib>
 #include <set>
 
 #include "tests/deploy/local/test_processes.h"
@@ -39,7 +40,8 @@ class EvaluationJobTest : public testing::Test {
     return file;
   }
 
-  EvaluationJob MakeJob(const std::string& body, int groups, int episodes, int processes) {
+  EvaluationJob MakeJob(const std::string& body, int groups, int episodes, int processes,
+                        const std::string& scenario = "left_turn") {
     for (int group = 0; group < groups; ++group) {
       for (int i = 0; i < episodes; ++i) {
         EvaluatedEpisode episode;
@@ -52,7 +54,7 @@ class EvaluationJobTest : public testing::Test {
     auto job = EvaluationJob::Create({.program = Driver(body),
                                       .policy = "rdm",
                                       .policy_label = "rdm",
-                                      .scenario = "left_turn",
+                                      .scenario = scenario,
                                       .config = {},
                                       .groups = groups,
                                       .episodes = episodes,
@@ -84,6 +86,28 @@ TEST_F(EvaluationJobTest, GathersEveryEpisodeOnce) {
   std::set<uint64_t> seeds;
   for (const EvaluatedEpisode& episode : report->episodes) seeds.insert(episode.summary.seed);
   EXPECT_EQ(seeds.size(), 24u);
+}
+
+TEST_F(EvaluationJobTest, DrivesEveryEpisodeInEachScenarioOfAll) {
+  for (const char* scenario : {"merge", "turn"}) {
+    std::filesystem::create_directories(folder_.path() / "scenarios" / scenario);
+    std::ofstream(folder_.path() / "scenarios" / scenario / "scenario.yaml") << "warm_up_s: 1\n";
+  }
+  setenv("DADRL_SCENARIOS", (folder_.path() / "scenarios").c_str(), 1);
+  EvaluationJob job = MakeJob("echo $5 >> $folder/driven; cat $folder/line-$seed", 2, 4, 2, "all");
+  unsetenv("DADRL_SCENARIOS");
+  EXPECT_EQ(job.planned_episodes(), 16);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->scenario, "all");
+  EXPECT_EQ(report->all.episodes, 16);
+  ASSERT_EQ(report->per_scenario.size(), 2u);
+  EXPECT_EQ(report->per_scenario[0].scenario, "merge");
+  EXPECT_EQ(report->per_scenario[1].figures.episodes, 8);
+  const std::string driven = FileText(folder_.path() / "driven");
+  EXPECT_THAT(driven, HasSubstr("turn\n"));
+  EXPECT_THAT(driven, HasSubstr("merge\n"));
 }
 
 TEST_F(EvaluationJobTest, NeverRunsMoreProcessesThanAsked) {

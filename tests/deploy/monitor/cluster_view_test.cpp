@@ -162,5 +162,20 @@ TEST(ClusterView, RatesOfTheLastHundredEpisodes) {
   EXPECT_NEAR(summary.recent_return, 3.0, 1e-9);
 }
 
+TEST(ClusterView, RecentSuccessByScenario) {
+  ClusterView view = MakeView();
+  for (int i = 0; i < 5; ++i) {
+    EpisodeReport report;
+    report.scenario = i < 4 ? "left_turn" : "double_merge";
+    report.outcome = i == 0 ? 0 : 1;
+    view.Add(report);
+  }
+  const ClusterSummary summary = view.Summarize(kStart);
+  ASSERT_EQ(summary.recent_scenarios.size(), 2u);
+  EXPECT_EQ(summary.recent_scenarios.at("left_turn").episodes, 4);
+  EXPECT_DOUBLE_EQ(summary.recent_scenarios.at("left_turn").success, 0.25);
+  EXPECT_DOUBLE_EQ(summary.recent_scenarios.at("double_merge").success, 0.0);
+}
+
 }  // namespace
 }  // namespace dadrl

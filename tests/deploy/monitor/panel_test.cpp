@@ -38,6 +38,16 @@ TEST(Panel, ShowsWhereTheRunIs) {
   EXPECT_THAT(text, HasSubstr("learner: it computes 97 %"));
 }
 
+TEST(Panel, ShowsScenariosApartWhenThereAreSeveral) {
+  Progress progress = Sample();
+  progress.summary.recent_scenarios["left_turn"] = {60, 0.95};
+  EXPECT_EQ(RenderPanel(progress, 120).size(), RenderPanel(Sample(), 120).size());
+  progress.summary.recent_scenarios["double_merge"] = {40, 0.5};
+  EXPECT_THAT(RenderPanel(progress, 120),
+              testing::Contains(HasSubstr("double_merge 50 % of 40, left_turn 95 % of 60")));
+  EXPECT_EQ(MonitorJson(progress.summary, "")["recent_episodes"]["scenarios"]["left_turn"]["count"], 60);
+}
+
 TEST(Panel, NeverWrapsANarrowTerminal) {
   for (const std::string& line : RenderPanel(Sample(), 40)) EXPECT_LE(line.size(), 40u) << line;
 }
