@@ -34,7 +34,7 @@ struct PolicyToSave {
   uint64_t updates = 0;
   std::string config_yaml;  // ToYaml
   std::span<const float> parameters;
-  std::span<const float> critic;
+  std::span<const float> critic = {};  // optional
 };
 
 // Atomic and durable; blocks on the disk. kExhausted when the disk is full: an earlier file stays.
