@@ -84,9 +84,9 @@ void CriticValues::Evaluate(const ObservationBatch& observations, std::span<cons
     block.observations.Pack(impl.kernels, observations, impl.context.data(), first / kLanes);
     EncoderForward(impl.kernels, impl.network.encoder, impl.parameters.data(), block.observations,
                    block.encoder, block.input);
-    for (int i = 0; i < count * kActionSize; ++i) {
-      block.input.From(features).data[i % kActionSize * kLanes + i / kActionSize] =
-          actions[static_cast<size_t>(first * kActionSize + i)];
+    const float* action = &actions[static_cast<size_t>(first) * kActionSize];
+    for (int i = 0; i < count; ++i) {
+      for (int d = 0; d < kActionSize; ++d) block.input.From(features + d).data[i] = *action++;
     }
     for (const auto& [critic, values] :
          {std::pair(&impl.network.critic1, q1), std::pair(&impl.network.critic2, q2)}) {

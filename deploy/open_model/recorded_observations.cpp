@@ -15,7 +15,12 @@ template <typename T>
 Result<NpyArray<T>> LoadArray(const std::filesystem::path& path, const std::vector<int>& shape) {
   uint64_t one = sizeof(T);
   for (const int size : shape) one *= static_cast<uint64_t>(size);
-  DADRL_ASSIGN_OR_RETURN(auto array, ReadNpy<T>(path, kMaxRecordedObservations * one + kMaxHeaderBytes));
+  auto read = ReadNpy<T>(path, kMaxRecordedObservations * one + kMaxHeaderBytes);
+  if (!read && read.error().code == ErrorCode::kExhausted) {
+    return Fail(ErrorCode::kInvalidArgument, "{} is longer than {} observations of shape ({}): take fewer",
+                path.string(), kMaxRecordedObservations, fmt::join(shape, ", "));
+  }
+  DADRL_ASSIGN_OR_RETURN(NpyArray<T> array, std::move(read));
   const bool fits = array.shape.size() == shape.size() + 1 &&
                     std::equal(shape.begin(), shape.end(), array.shape.begin() + 1,
                                [](int a, size_t b) { return size_t(a) == b; });

@@ -292,6 +292,11 @@ TEST_F(BadObservationsTest, WrongShapes) {
   ExpectRefused(2, "with N from 1");
 }
 
+TEST_F(BadObservationsTest, TooMany) {
+  Write("ego", {20'100, 5, 20}, std::vector<float>(20'100 * 100));
+  ExpectRefused(2, "ego.npy is longer than 20000 observations of shape (5, 20): take fewer");
+}
+
 TEST_F(BadObservationsTest, CountsThatDiffer) {
   Write("ego", {2, 5, 20}, std::vector<float>(200));
   ExpectRefused(2, "vehicles.npy holds 19 observations, ego.npy 2, context.npy 19");
