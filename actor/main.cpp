@@ -13,6 +13,7 @@ namespace dadrl {
 namespace {
 
 constexpr int kMaxEpisodes = 1'000'000;
+constexpr int kMaxHoldSteps = 1000;
 
 struct CollectArguments {
   std::string config;
@@ -27,6 +28,8 @@ struct EvaluateArguments {
   std::string scenario;
   std::string seeds;
   std::string config;
+  std::optional<int> hold_steps;
+  std::optional<double> impatience;
 };
 
 CLI::App* AddCollect(CLI::App& app, CollectArguments& arguments) {
@@ -47,6 +50,10 @@ CLI::App* AddEvaluate(CLI::App& app, EvaluateArguments& arguments) {
   command->add_option("--seeds", arguments.seeds, "traffic seeds, FIRST:COUNT")->required();
   command->add_option("--scenario", arguments.scenario, "instead of the configuration's");
   command->add_option("--config", arguments.config, "configuration; defaults without");
+  command->add_option("--hold", arguments.hold_steps, "of random: simulation steps an action is held")
+      ->check(CLI::Range(1, kMaxHoldSteps));
+  command->add_option("--impatience", arguments.impatience, "of idm: 0 yields, 1 takes the right of way")
+      ->check(CLI::Range(0.0, 1.0));
   return command;
 }
 
@@ -70,14 +77,38 @@ Result<std::vector<PlannedEpisode>> ParseSeeds(const std::string& text) {
     return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' is not FIRST:COUNT with a COUNT of 1 to {}", text,
                 kMaxEpisodes);
   }
+  if (first < kFirstEvaluationSeed) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--seeds: {} belongs to training; evaluation takes seeds from {} up", first,
+                kFirstEvaluationSeed);
+  }
   std::vector<PlannedEpisode> episodes;
   episodes.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) episodes.push_back({.seed = first + static_cast<uint64_t>(i)});
   return episodes;
 }
 
+Result<PolicyOptions> ParsePolicyOptions(const EvaluateArguments& arguments) {
+  PolicyOptions options;
+  const auto check = [&](const char* option, const char* policy) -> Status {
+    if (arguments.policy == policy) return {};
+    return Fail(ErrorCode::kInvalidArgument, "{} is for --policy {}, not for {}", option, policy,
+                arguments.policy);
+  };
+  if (arguments.hold_steps) {
+    DADRL_RETURN_IF_ERROR(check("--hold", "random"));
+    options.random_hold_steps = *arguments.hold_steps;
+  }
+  if (arguments.impatience) {
+    DADRL_RETURN_IF_ERROR(check("--impatience", "idm"));
+    options.impatience = *arguments.impatience;
+  }
+  return options;
+}
+
 Status Evaluate(const EvaluateArguments& arguments) {
   EvaluationOptions options;
+  DADRL_ASSIGN_OR_RETURN(options.policy_options, ParsePolicyOptions(arguments));
   if (!arguments.config.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(arguments.config, options.config));
   if (!arguments.scenario.empty()) options.config.scenario = arguments.scenario;
   DADRL_ASSIGN_OR_RETURN(options.episodes, ParseSeeds(arguments.seeds));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <thread>
 
@@ -29,6 +30,8 @@ struct EvaluateOptions {
   int groups = 5;
   uint64_t first_seed = kFirstEvaluationSeed;
   int processes = 0;  // 0: one a core
+  std::optional<int> hold_steps;
+  std::optional<double> impatience;
   bool json = false;
   std::string csv;
   ConfigOptions config;
@@ -74,6 +77,15 @@ bool RunToEnd(EvaluationJob& job, SignalWatcher& signals) {
   return true;
 }
 
+std::vector<std::string> PolicyArguments(const EvaluateOptions& options) {
+  std::vector<std::string> arguments;
+  if (options.hold_steps) arguments = {"--hold", fmt::format("{}", *options.hold_steps)};
+  if (options.impatience) {
+    arguments.insert(arguments.end(), {"--impatience", fmt::format("{}", *options.impatience)});
+  }
+  return arguments;
+}
+
 Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
@@ -92,6 +104,7 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
       EvaluationJob::Create({.program = program,
                              .policy = policy,
                              .policy_label = options.policy,
+                             .policy_arguments = PolicyArguments(options),
                              .scenario = config.scenario,
                              .config = config_path,
                              .first_seed = options.first_seed,
@@ -133,6 +146,11 @@ Command MakeEvaluateCommand(CLI::App& dadrl) {
                   "Traffic seeds are K + 1000 group + episode (default 1000000)")
       ->type_name("K");
   app->add_option("--processes", options->processes, "Default: one a core")->check(CLI::Range(1, 1024));
+  app->add_option("--hold", options->hold_steps, "Of random: simulation steps an action is held (default 10)")
+      ->check(CLI::Range(1, 1000));
+  app->add_option("--impatience", options->impatience,
+                  "Of idm: 0 waits for a gap, 1 takes the right of way (default 1)")
+      ->check(CLI::Range(0.0, 1.0));
   app->add_flag("--json", options->json, "One JSON object on standard output");
   app->add_option("--csv", options->csv, "Also write a row an episode to this file")->type_name("FILE");
   options->config.AddTo(*app);

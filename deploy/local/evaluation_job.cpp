@@ -108,6 +108,7 @@ Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
       "--scenario",  next.scenario,
       "--seeds",     fmt::format("{}:{}", next.slice.first_seed, next.slice.count)};
   if (!plan_.config.empty()) command.insert(command.end(), {"--config", plan_.config});
+  command.insert(command.end(), plan_.policy_arguments.begin(), plan_.policy_arguments.end());
   DADRL_ASSIGN_OR_RETURN(
       ChildProcess child,
       ChildProcess::Spawn(

@@ -17,11 +17,12 @@
 namespace dadrl {
 
 struct EvaluationPlan {
-  std::filesystem::path program;  // dadrl-actor, or what speaks its line protocol
-  std::string policy;             // policy file or a scripted driver's name
-  std::string policy_label;       // how the report calls it
-  std::string scenario;           // a name, or "all": every episode in each of them
-  std::filesystem::path config;   // passed on as --config; empty: none
+  std::filesystem::path program;              // dadrl-actor, or what speaks its line protocol
+  std::string policy;                         // policy file or a scripted driver's name
+  std::string policy_label;                   // how the report calls it
+  std::vector<std::string> policy_arguments;  // of a scripted driver, passed on
+  std::string scenario;                       // a name, or "all": every episode in each of them
+  std::filesystem::path config;               // passed on as --config; empty: none
   uint64_t first_seed = kFirstEvaluationSeed;
   int groups = 1;
   int episodes = 50;  // of each group

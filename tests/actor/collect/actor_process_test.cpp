@@ -198,5 +198,18 @@ TEST_F(ActorProcessTest, RefusesWrongUsage) {
   EXPECT_EQ(Program({"evaluate", "--policy", "rdm", "--seeds", "7"}, Log()).Wait(), 2);
 }
 
+TEST_F(ActorProcessTest, RefusesToEvaluateOnTheTrafficOfTraining) {
+  EXPECT_EQ(Program({"evaluate", "--policy", "rdm", "--seeds", "999999:1"}, Log()).Wait(), 2);
+  EXPECT_THAT(Read(Log()),
+              HasSubstr("--seeds: 999999 belongs to training; evaluation takes seeds from 1000000 up"));
+}
+
+TEST_F(ActorProcessTest, RefusesAnotherDriversOptions) {
+  EXPECT_EQ(
+      Program({"evaluate", "--policy", "rdm", "--seeds", "1000000:1", "--impatience", "0.5"}, Log()).Wait(),
+      2);
+  EXPECT_THAT(Read(Log()), HasSubstr("--impatience is for --policy idm, not for rdm"));
+}
+
 }  // namespace
 }  // namespace dadrl
