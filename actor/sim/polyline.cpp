@@ -34,7 +34,7 @@ Polyline::Polyline(const std::vector<Point>& points) {
 void Polyline::BuildBlocks() {
   for (size_t first = 0; first + 1 < points_.size(); first += kBlockSegments) {
     const size_t last = std::min(first + kBlockSegments, points_.size() - 1);
-    Block block{points_[(first + last) / 2], 0.0};
+    Block block{points_[(first + last) / 2], arc_[(first + last) / 2], 0.0};
     for (size_t i = first; i <= last; ++i)
       block.radius = std::max(block.radius, Norm(points_[i] - block.centre));
     blocks_.push_back(block);
@@ -75,8 +75,18 @@ Polyline::Projection Polyline::Project(Point point, double s_low, double s_high)
   };
   const size_t first = SegmentAt(arc_, s_low);
   const size_t last = SegmentAt(arc_, s_high);
+  // The nearest centre bounds the distance from above: most blocks are out of the question at once.
+  double bound = best.distance;
   for (size_t block = first / kBlockSegments; block <= last / kBlockSegments; ++block) {
-    if (Norm(point - blocks_[block].centre) - blocks_[block].radius > best.distance) continue;
+    if (blocks_[block].s < s_low || blocks_[block].s > s_high) continue;
+    const Point away = point - blocks_[block].centre;
+    bound = std::min(bound, Dot(away, away));
+  }
+  bound = std::sqrt(bound) + kMinSpacing;
+  for (size_t block = first / kBlockSegments; block <= last / kBlockSegments; ++block) {
+    const Point away = point - blocks_[block].centre;
+    const double reach = std::min(bound, best.distance) + blocks_[block].radius;
+    if (Dot(away, away) > reach * reach) continue;
     const size_t begin = std::max(first, block * kBlockSegments);
     const size_t end = std::min(last + 1, (block + 1) * kBlockSegments);
     for (size_t i = begin; i < end; ++i) look_at(i);

@@ -34,9 +34,10 @@ class Polyline {
   Projection Project(Point point, double s_low, double s_high) const;
 
  private:
-  // A circle around some segments in a row: far ones need no closer look.
+  // A circle around some segments in a row: far ones need no closer look. Its centre is a point of the line.
   struct Block {
     Point centre;
+    double s = 0.0;  // of the centre
     double radius = 0.0;
   };
   void BuildBlocks();

@@ -140,10 +140,7 @@ Status Simulation::Impl::SpawnEgo() {
 
 void Simulation::Impl::AddDrivenEgo() {
   const Lane& lane = plan_.map.lanes()[static_cast<size_t>(plan_.route.lanes().front())];
-  libsumo::Vehicle::add(kEgoId, kEgoId, kEgoId, "now", std::to_string(lane.index), "0", "0");
-  // No check of SUMO's may keep the ego from what it is told.
-  libsumo::Vehicle::setSpeedMode(kEgoId, 0);
-  libsumo::Vehicle::setLaneChangeMode(kEgoId, 0);
+  traffic_.AddDrivenEgo();
   world_.ego.pose = plan_.start;
   world_.ego.speed_mps = world_.ego.velocity_lon = std::min(lane.speed_limit, options_.max_speed_mps);
 }

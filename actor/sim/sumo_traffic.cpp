@@ -54,6 +54,14 @@ Status SumoTraffic::Load(uint64_t seed, const EgoTraffic& ego) {
   return {};
 }
 
+void SumoTraffic::AddDrivenEgo() {
+  const Lane& lane = plan_.map.lanes()[static_cast<size_t>(plan_.route.lanes().front())];
+  libsumo::Vehicle::add(kEgoId, kEgoId, kEgoId, "now", std::to_string(lane.index), "0", "0");
+  // No check of SUMO's may keep the ego from what it is told.
+  libsumo::Vehicle::setSpeedMode(kEgoId, 0);
+  libsumo::Vehicle::setLaneChangeMode(kEgoId, 0);
+}
+
 void SumoTraffic::Step() {
   libsumo::Simulation::step();
   for (const std::string& id : libsumo::Simulation::getArrivedIDList()) {

@@ -24,6 +24,9 @@ class SumoTraffic {
   // Draws the drivers of `seed` and starts SUMO anew at time zero. Whatever ran before leaves no trace.
   Status Load(uint64_t seed, const EgoTraffic& ego);
 
+  // Before the first MoveInSumo of the episode; Load must have been told that SUMO does not drive it.
+  void AddDrivenEgo();
+
   // 0.1 s. A vehicle that finished its route enters it again: standing at its start, on a random lane; from
   // then on it arrives at the end of whichever lane it is on (paper code).
   void Step();

@@ -23,9 +23,11 @@ double ObstacleCost(const WorldState& world) {
   const double reach = std::min(kObstacleRadius, kObstacleSeconds * ego.speed_mps);
   double cost = 0.0;
   for (const SocialVehicle& vehicle : world.vehicles) {
+    const Point offset = vehicle.pose.position - ego.pose.position;
+    const double distance = std::sqrt(Dot(offset, offset));
+    if (distance > reach) continue;
     const Point local = ToLocal(ego.pose, vehicle.pose.position);
-    const double distance = Norm(local);
-    if (distance > reach || std::abs(std::atan2(local.y, local.x)) > kObstacleBearing) continue;
+    if (std::abs(std::atan2(local.y, local.x)) > kObstacleBearing) continue;
     if (std::abs(WrapAngle(vehicle.pose.heading - ego.pose.heading)) > kObstacleHeading) continue;
     cost = std::max(cost, std::exp(-kObstacleDecay * distance));
   }
