@@ -20,7 +20,10 @@ double Number(const Json& json, const char* key) {
 }
 
 Json EvaluationJson(const EvaluatedAt& at, const EvaluationReport& report) {
-  Json json = {{"elapsed_s", at.elapsed_s}, {"updates", at.updates}, {"policy_version", at.policy_version}};
+  Json json = {{"elapsed_s", at.elapsed_s},
+               {"env_steps", at.env_steps},
+               {"updates", at.updates},
+               {"policy_version", at.policy_version}};
   json.update(Json::parse(ReportJson(report)));
   return json;
 }

@@ -15,6 +15,7 @@ namespace dadrl {
 // Where in the training an evaluation was made.
 struct EvaluatedAt {
   double elapsed_s = 0.0;
+  uint64_t env_steps = 0;
   uint64_t updates = 0;
   uint32_t policy_version = 0;
 };
@@ -27,6 +28,8 @@ class RunResults {
 
   // Seconds of training in earlier sessions.
   double earlier_s() const { return earlier_s_; }
+  // Environment steps of earlier sessions.
+  double earlier_env_steps() const { return earlier_env_steps_; }
 
   void AddEvaluation(const EvaluatedAt& at, const EvaluationReport& report);
   void SetFinal(const EvaluatedAt& at, const EvaluationReport& report);

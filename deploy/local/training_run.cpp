@@ -205,7 +205,9 @@ bool TrainingRun::StartEvaluation(bool final) {
     display_.Message(policy ? program.error().message : policy.error().message);
     return false;
   }
+  const double driven = monitor_ ? monitor_->Summarize().env_steps : 0.0;
   evaluated_at_ = {.elapsed_s = results_.earlier_s() + (final ? trained_s_ : SessionSeconds()),
+                   .env_steps = static_cast<uint64_t>(results_.earlier_env_steps() + driven),
                    .updates = policy->updates,
                    .policy_version = policy->policy_version};
   auto job = EvaluationJob::Create(

@@ -71,6 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
                  {"evaluate", "--policy", "/no/such.dadrl", "--scenario", "left_turn"},
                  1,
                  "/no/such.dadrl"},
+        BadInput{"UnknownPretrained", {"evaluate", "--policy", "pretrained:no_such"}, 2, "no_such"},
         BadInput{"EvaluateWithoutScenario", {"evaluate", "--policy", "rdm"}, 2, "--scenario is needed"},
         BadInput{"EvaluateUnknownScenario",
                  {"evaluate", "--policy", "rdm", "--scenario", "roundabout_d"},

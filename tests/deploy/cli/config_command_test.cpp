@@ -1,13 +1,16 @@
 #include <gmock/gmock.h>
 
+#include "common/config/config_schema.h"
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "deploy/local/executables.h"
 #include "tests/deploy/cli/run_command.h"
 
 namespace dadrl {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 
 constexpr const char* kConfigFolder = DADRL_SOURCE_DIR "/deploy/config/";
 
@@ -42,15 +45,31 @@ TEST(ConfigCommand, PaperYamlIsValidAndThePapers) {
   EXPECT_EQ(config.learner.publish, PublishedPolicy::kCurrent);
 }
 
+// One for each scenario and one for all of them: what deploy/reproduce.sh trains with.
+TEST(ConfigCommand, EveryScenarioHasARecipeThatNamesIt) {
+  std::vector<std::string> names = ScenarioNames();
+  ASSERT_EQ(names.size(), 5u);
+  names.emplace_back(kAllScenarios);
+  for (const std::string& name : names) {
+    Config config;
+    const Status loaded = LoadYaml(std::string(kConfigFolder) + "scenarios/" + name + ".yaml", config);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_TRUE(Validate(config));
+    EXPECT_EQ(config.scenario, name);
+    EXPECT_GT(config.learner.max_updates, 0) << name << " has no end";
+  }
+}
+
 TEST(Help, NamesEveryCommandAndTheVersion) {
   const CommandOutput help = Dadrl({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"train", "evaluate", "monitor", "actor", "doctor", "config", "export", "act"}) {
+  for (const char* command :
+       {"train", "evaluate", "monitor", "actor", "doctor", "config", "export", "act", "policies"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
   }
   const CommandOutput version = Dadrl({"--version"});
   EXPECT_EQ(version.exit_code, 0);
-  EXPECT_THAT(version.out, HasSubstr("dadrl 0."));
+  EXPECT_THAT(version.out, MatchesRegex("dadrl [0-9.]+ \\([0-9a-z-]+\\)\n"));
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ TEST(RunResults, AccumulateOverSessions) {
   summary.env_steps = 5000;
   {
     RunResults results = RunResults::Load(file, Config{});
-    results.AddEvaluation({.elapsed_s = 30, .updates = 50, .policy_version = 7}, Report(3, 1));
+    results.AddEvaluation({.elapsed_s = 30, .env_steps = 2500, .updates = 50, .policy_version = 7},
+                          Report(3, 1));
     results.Update("interrupted", 60.0, summary);
     ASSERT_TRUE(results.Save());
   }
@@ -51,6 +52,7 @@ TEST(RunResults, AccumulateOverSessions) {
   ASSERT_EQ(saved["evaluations"].size(), 1u);
   EXPECT_EQ(saved["evaluations"][0]["success"], 0.75);
   EXPECT_EQ(saved["evaluations"][0]["policy_version"], 7);
+  EXPECT_EQ(saved["evaluations"][0]["env_steps"], 2500);
   EXPECT_EQ(saved["final"]["success"], 1.0);
   EXPECT_THAT(LastEvaluation(file), HasSubstr("150 updates: success 100.0 %"));
 }
