@@ -18,12 +18,18 @@ inline dds::TopicSpec ChunkTopic(int shard) {
           .partition = shard};
 }
 // Newest word per actor is all that counts, also for an actor that joins or rejoins: transient local,
-// KEEP_LAST 1 per key.
-inline const dds::TopicSpec kAcknowledgementTopic{.name = "dadrl/acknowledgement",
-                                                  .type = &dadrl_idl_Acknowledgement_desc,
-                                                  .plane = dds::Plane::kControl,
-                                                  .keep_all = false,
-                                                  .transient_local = true};
+// KEEP_LAST 1 per key. A partition for each of a few groups of actors: without multicast a writer sends its
+// samples to every reader it matches, and with one group for all, an acknowledgement to one of 200 actors
+// would leave 200 times.
+constexpr uint32_t kAcknowledgementGroups = 32;
+inline dds::TopicSpec AcknowledgementTopic(uint32_t actor) {
+  return {.name = "dadrl/acknowledgement",
+          .type = &dadrl_idl_Acknowledgement_desc,
+          .plane = dds::Plane::kControl,
+          .keep_all = false,
+          .transient_local = true,
+          .partition = static_cast<int>(actor % kAcknowledgementGroups)};
+}
 // Credits bound what is outstanding; the reader limit is a safety net.
 inline const dds::TopicSpec kBatchRequestTopic{.name = "dadrl/batch_request",
                                                .type = &dadrl_idl_BatchRequest_desc,

@@ -28,7 +28,7 @@ Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const dds::No
                                                                    uint64_t incarnation) {
   std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation));
   DADRL_ASSIGN_OR_RETURN(writer->acknowledgements_,
-                         AcknowledgementReader::Create(node, kAcknowledgementTopic));
+                         AcknowledgementReader::Create(node, AcknowledgementTopic(actor)));
   DADRL_ASSIGN_OR_RETURN(writer->chunks_,
                          ChunkWriter::Create(node, ChunkTopic(static_cast<int>(writer->shard_))));
   writer->sender_ = std::thread([raw = writer.get()] { raw->Run(); });

@@ -7,9 +7,12 @@
 namespace dadrl {
 
 Result<std::unique_ptr<Acknowledger>> Acknowledger::Create(const dds::Node& node, uint32_t shard) {
-  DADRL_ASSIGN_OR_RETURN(auto writer,
-                         dds::Writer<dadrl_idl_Acknowledgement>::Create(node, kAcknowledgementTopic));
-  return std::unique_ptr<Acknowledger>(new Acknowledger(std::move(writer), shard));
+  Writers writers;
+  for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
+    DADRL_ASSIGN_OR_RETURN(writers[group],
+                           dds::Writer<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(group)));
+  }
+  return std::unique_ptr<Acknowledger>(new Acknowledger(std::move(writers), shard));
 }
 
 void Acknowledger::Note(const SequenceTable::Stream& stream) {
@@ -43,7 +46,7 @@ bool Acknowledger::Publish(TimePoint now) {
     message.incarnation = actor.incarnation;
     message.stored_sequence = actor.stored;
     message.granted_sequence = actor.stored + grant_.chunks;
-    if (const Status sent = writer_->Write(message); !sent) {
+    if (const Status sent = writers_[id % kAcknowledgementGroups]->Write(message); !sent) {
       spdlog::warn("acknowledgement to actor {} was not sent: {}", id, sent.error().message);
       any_due_ = true;
       continue;

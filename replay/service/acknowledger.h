@@ -1,6 +1,7 @@
 // Tells each actor what is stored and how far it may send.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -43,10 +44,10 @@ class Acknowledger {
     uint64_t sent_stored = 0;
     bool due = false;
   };
-  Acknowledger(std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>> writer, uint32_t shard)
-      : writer_(std::move(writer)), shard_(shard) {}
+  using Writers = std::array<std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>;
+  Acknowledger(Writers writers, uint32_t shard) : writers_(std::move(writers)), shard_(shard) {}
 
-  const std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>> writer_;
+  const Writers writers_;
   const uint32_t shard_;
   Grant grant_;
   std::unordered_map<uint32_t, Actor> actors_;

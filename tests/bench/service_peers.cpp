@@ -45,7 +45,7 @@ class Feeder {
   Feeder(const Config& config, bool granting)
       : node_(Join(config, dds::Role::kActor, 1)),
         acknowledgements_(
-            Need(dds::Reader<dadrl_idl_Acknowledgement>::Create(*node_, kAcknowledgementTopic))),
+            Need(dds::Reader<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(1)))),
         chunks_(Need(dds::Writer<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)))),
         stream_(kSpec),
         granted_(granting ? 1 : UINT64_MAX) {
@@ -101,7 +101,7 @@ class Feeder {
 
 void TakeChunks(const dds::Node& node, uint64_t chunks) {
   const auto acknowledgements =
-      Need(dds::Writer<dadrl_idl_Acknowledgement>::Create(node, kAcknowledgementTopic));
+      Need(dds::Writer<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(1)));
   const auto reader = Need(dds::Reader<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)));
   uint64_t taken = 0;
   while (true) {

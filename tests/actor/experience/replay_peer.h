@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -59,7 +60,10 @@ class ReplayPeer {
     EXPECT_TRUE(node) << node.error().message;
     node_ = std::move(*node);
     chunks_ = dds::Reader<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)).value();
-    acknowledgements_ = dds::Writer<dadrl_idl_Acknowledgement>::Create(*node_, kAcknowledgementTopic).value();
+    for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
+      acknowledgements_[group] =
+          dds::Writer<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(group)).value();
+    }
     thread_ = std::thread([this] { Run(); });
   }
   // As abrupt as a process's end can be within one: nothing that was received but not taken is kept.
@@ -76,7 +80,7 @@ class ReplayPeer {
   uint64_t highest_seen() const { return highest_seen_; }
   uint32_t newest_policy_version() const { return newest_policy_version_; }
   void SendAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
-    EXPECT_TRUE(acknowledgements_->Write(ack));
+    EXPECT_TRUE(acknowledgements_[ack.actor % kAcknowledgementGroups]->Write(ack));
   }
 
  private:
@@ -129,7 +133,7 @@ class ReplayPeer {
     ack.incarnation = incarnation_;
     ack.stored_sequence = disk_.stored();
     ack.granted_sequence = ack.stored_sequence + window_;
-    EXPECT_TRUE(acknowledgements_->Write(ack));
+    SendAcknowledgement(ack);
   }
 
   ReplayDisk& disk_;
@@ -142,7 +146,8 @@ class ReplayPeer {
   uint64_t incarnation_ = 0;
   std::unique_ptr<dds::Node> node_;
   std::unique_ptr<dds::Reader<dadrl_idl_ChunkMessage>> chunks_;
-  std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>> acknowledgements_;
+  std::array<std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>
+      acknowledgements_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

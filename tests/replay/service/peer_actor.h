@@ -28,7 +28,8 @@ inline bool Eventually(const std::function<bool()>& condition, double limit_s = 
 class PeerActor {
  public:
   PeerActor(const dds::Node& node, uint32_t id, uint64_t incarnation) : id_(id), incarnation_(incarnation) {
-    acknowledgements_ = dds::Reader<dadrl_idl_Acknowledgement>::Create(node, kAcknowledgementTopic).value();
+    acknowledgements_ =
+        dds::Reader<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(id)).value();
     chunks_ = dds::Writer<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)).value();
   }
 
