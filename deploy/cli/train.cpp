@@ -78,6 +78,7 @@ Result<int> RunInLockstep(const TrainOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
   DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
   if (options.run_dir.empty()) LinkLatest(directory.paths().root);
+  directory.KeepAcrossExec();
   const std::string config_file = directory.paths().config().string();
   const std::string root = directory.paths().root.string();
   execl(program.c_str(), program.c_str(), "--config", config_file.c_str(), "--run-dir", root.c_str(),

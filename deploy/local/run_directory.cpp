@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Locks of the open file (not of the process): released with its last descriptor, and those are O_CLOEXEC.
+// Locks of the open file (not of the process): released with its last descriptor, and those are O_CLOEXEC
+// unless KeepAcrossExec was called.
 struct flock WholeFile(short type) {
   struct flock lock {};
   lock.l_type = type;
@@ -81,6 +82,8 @@ Result<RunDirectory> RunDirectory::OpenExisting(const fs::path& root) {
 Status RunDirectory::SaveConfig(const Config& config) const {
   return WriteFileAtomically(paths_.config(), std::string_view(ToYaml(config, false)));
 }
+
+void RunDirectory::KeepAcrossExec() const { fcntl(lock_.get(), F_SETFD, 0); }
 
 bool IsRunning(const RunPaths& paths) {
   const auto lock = FileDescriptor::Open(paths.lock(), O_RDONLY);

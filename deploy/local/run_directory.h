@@ -39,6 +39,8 @@ class RunDirectory {
   static Result<RunDirectory> OpenExisting(const std::filesystem::path& root);
 
   const RunPaths& paths() const { return paths_; }
+  // The lock goes on with the program that this process becomes (exec), until that ends.
+  void KeepAcrossExec() const;
   // Writes config.yaml.
   Status SaveConfig(const Config& config) const;
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "common/config/config_yaml.h"
 #include "tests/deploy/local/test_processes.h"
@@ -86,6 +87,25 @@ TEST(RunDirectory, TakesOverFromAKilledLauncher) {
   waitpid(launcher, nullptr, 0);
   EXPECT_TRUE(fs::exists(folder.path() / "run/lock"));  // stale, and no obstacle
   EXPECT_TRUE(RunDirectory::OpenExisting(folder.path() / "run"));
+}
+
+TEST(RunDirectory, StaysLockedByTheProgramThatItsHolderBecomes) {
+  const TemporaryFolder folder;
+  const fs::path root = folder.path() / "run";
+  const pid_t launcher = fork();
+  if (launcher == 0) {
+    const auto run = RunDirectory::CreateNew(root);
+    if (!run) _exit(1);
+    run->KeepAcrossExec();
+    execlp("sh", "sh", "-c", ": > \"$0\"; exec sleep 1000", (folder.path() / "replaced").c_str(),
+           static_cast<char*>(nullptr));
+    _exit(1);
+  }
+  ASSERT_TRUE(Eventually([&] { return fs::exists(folder.path() / "replaced"); }));
+  EXPECT_TRUE(IsRunning({.root = root}));
+  kill(launcher, SIGKILL);
+  waitpid(launcher, nullptr, 0);
+  EXPECT_FALSE(IsRunning({.root = root}));
 }
 
 TEST(RunDirectory, NamesNewRunsByScenarioAndTimeWithoutClashes) {
