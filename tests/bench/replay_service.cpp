@@ -3,9 +3,10 @@
 // Its files are in memory (/dev/shm), so that it is the service that is measured; one case shows what a disk
 // makes of it, beside a plain file of the same bytes on the same disk.
 //
-// Prints JSON lines, each the median of kRuns. The limit is the same traffic in the same run without a
-// replay: one process writes the same bytes under the same QoS, another takes and drops them. For latencies
-// it is the bare peer answering while it is flooded with chunks in the same way.
+// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples) only that part. The
+// limit is the same traffic in the same run without a replay: one process writes the same bytes under the
+// same QoS, another takes and drops them. For latencies it is the bare peer answering while it is flooded
+// with chunks in the same way.
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -29,7 +30,7 @@ namespace {
 constexpr int kRuns = 5;
 constexpr uint64_t kChunks = 30000;
 constexpr int kBatches = 6000;
-constexpr int kOutstanding = 4;
+constexpr int kOutstanding = 16;  // the most that learner.credits allows
 constexpr int kAnswers = 1500;      // of the latency
 constexpr uint64_t kStored = 3000;  // chunks to sample from
 
@@ -218,10 +219,12 @@ void Latencies(double batch_bytes) {
 }  // namespace
 }  // namespace dadrl::bench
 
-int main() {
+int main(int argc, char** argv) {
   dadrl::InitLogging("replay_service");
-  dadrl::bench::Inserts();
-  dadrl::bench::InsertsToDisk();
-  dadrl::bench::Latencies(dadrl::bench::Samples());
+  const std::string only = argc > 1 ? argv[1] : "";
+  const auto chosen = [&](const char* part) { return only.empty() || only == part; };
+  if (chosen("inserts")) dadrl::bench::Inserts();
+  if (chosen("disk")) dadrl::bench::InsertsToDisk();
+  if (chosen("samples")) dadrl::bench::Latencies(dadrl::bench::Samples());
   return 0;
 }
