@@ -35,7 +35,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   if (!log) return tl::unexpected<Error>(std::move(log.error()));
 
   SystemClock clock;
-  TelemetryPublisher telemetry(config.telemetry.enabled ? TelemetryUrl(config.cluster) : std::string());
+  TelemetryPublisher telemetry(config, *node);
   CheckpointWriter checkpoints(std::move(*store), clock);
   DADRL_ASSIGN_OR_RETURN(const auto publisher,
                          WeightPublisher::Create(*node, std::move(reserve), progress.weights_version));

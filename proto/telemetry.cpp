@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <atomic>
 
+#include "common/dds/address.h"
+#include "common/dds/endpoint.h"
 #include "common/telemetry/lcm_bus.h"
 #include "common/util/log.h"
 #include "proto/telemetry_packet.h"
+#include "proto/topics.h"
 
 namespace dadrl {
 namespace {
@@ -63,13 +66,25 @@ std::string TelemetryUrl(const ClusterConfig& cluster) {
                      cluster.port + kTelemetryPortOffset);
 }
 
+const char* TelemetryChannel(bool is_episode) { return is_episode ? kEpisodeChannel : kStatusChannel; }
+
+// One of the two ways is there.
 struct TelemetryPublisher::Impl {
   std::unique_ptr<LcmBus> bus;
+  std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> relay;
   std::atomic<bool> complained{false};
 
-  void Publish(const char* channel, const std::vector<std::byte>& packet) {
-    const Status sent = bus->Publish(channel, packet);
+  void Publish(bool is_episode, std::vector<std::byte> packet) {
+    const Status sent =
+        bus ? bus->Publish(TelemetryChannel(is_episode), packet) : WriteToRelay(is_episode, packet);
     if (!sent && !complained.exchange(true)) spdlog::warn("telemetry: {}", sent.error().message);
+  }
+  Status WriteToRelay(bool is_episode, std::vector<std::byte>& packet) {
+    dadrl_idl_Telemetry message{};
+    message.is_episode = is_episode;
+    message.packet._buffer = reinterpret_cast<uint8_t*>(packet.data());
+    message.packet._length = message.packet._maximum = static_cast<uint32_t>(packet.size());
+    return relay->Write(message);
   }
 };
 
@@ -84,18 +99,38 @@ TelemetryPublisher::TelemetryPublisher(const std::string& url) {
   impl_->bus = std::move(*bus);
 }
 
+TelemetryPublisher::TelemetryPublisher(const Config& config, const dds::Node& node) {
+  if (!config.telemetry.enabled) return;
+  impl_ = std::make_unique<Impl>();
+  const Result<std::string> address = dds::ResolveHost(config.cluster.host);
+  if (address && dds::IsLocalAddress(*address)) {
+    if (auto bus = LcmBus::Open(TelemetryUrl(config.cluster))) impl_->bus = std::move(*bus);
+  }
+  if (impl_->bus) return;
+  auto relay = dds::Writer<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic);
+  if (!relay) {
+    spdlog::warn("running without telemetry: {}", relay.error().message);
+    impl_.reset();
+    return;
+  }
+  impl_->relay = std::move(*relay);
+}
+
 TelemetryPublisher::~TelemetryPublisher() = default;
 
 void TelemetryPublisher::Publish(const ProcessStatus& status) {
-  if (impl_) impl_->Publish(kStatusChannel, EncodePacket(status));
+  if (impl_) impl_->Publish(false, EncodePacket(status));
 }
 
 void TelemetryPublisher::Publish(const EpisodeReport& report) {
-  if (impl_) impl_->Publish(kEpisodeChannel, EncodePacket(report));
+  if (impl_) impl_->Publish(true, EncodePacket(report));
 }
 
+// One of the two ways is there.
 struct TelemetrySubscriber::Impl {
   std::unique_ptr<LcmBus> bus;
+  std::unique_ptr<dds::Node> node;
+  std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> relayed;
   uint64_t rejected = 0;
   // Of the Poll under way.
   const std::function<void(const ProcessStatus&)>* on_status = nullptr;
@@ -110,6 +145,22 @@ struct TelemetrySubscriber::Impl {
     }
     if (*handler) (*handler)(*report);
   }
+  void OnPacket(bool is_episode, std::span<const std::byte> packet) {
+    if (is_episode) {
+      Accept(DecodeEpisodePacket(packet), on_episode);
+    } else {
+      Accept(DecodeStatusPacket(packet), on_status);
+    }
+  }
+  // Waits at most `timeout`; false when nothing came.
+  bool Handle(Duration timeout) {
+    if (bus) return bus->Handle(timeout);
+    relayed->Wait(timeout);
+    return relayed->Take(1, [this](const dadrl_idl_Telemetry& message) {
+      OnPacket(message.is_episode,
+               {reinterpret_cast<const std::byte*>(message.packet._buffer), message.packet._length});
+    }) > 0;
+  }
 };
 
 Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const std::string& url) {
@@ -117,15 +168,28 @@ Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const s
   subscriber->impl_ = std::make_unique<Impl>();
   Impl* const impl = subscriber->impl_.get();
   DADRL_ASSIGN_OR_RETURN(impl->bus, LcmBus::Open(url));
-  DADRL_RETURN_IF_ERROR(
-      impl->bus->Subscribe(kStatusChannel, kQueue, [impl](std::span<const std::byte> packet) {
-        impl->Accept(DecodeStatusPacket(packet), impl->on_status);
-      }));
-  DADRL_RETURN_IF_ERROR(
-      impl->bus->Subscribe(kEpisodeChannel, kQueue, [impl](std::span<const std::byte> packet) {
-        impl->Accept(DecodeEpisodePacket(packet), impl->on_episode);
-      }));
+  for (const bool is_episode : {false, true}) {
+    DADRL_RETURN_IF_ERROR(impl->bus->Subscribe(
+        TelemetryChannel(is_episode), kQueue,
+        [impl, is_episode](std::span<const std::byte> packet) { impl->OnPacket(is_episode, packet); }));
+  }
   return subscriber;
+}
+
+Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::CreateRelayed(const Config& config) {
+  std::unique_ptr<TelemetrySubscriber> subscriber(new TelemetrySubscriber);
+  subscriber->impl_ = std::make_unique<Impl>();
+  Impl* const impl = subscriber->impl_.get();
+  DADRL_ASSIGN_OR_RETURN(impl->node,
+                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0));
+  DADRL_ASSIGN_OR_RETURN(impl->relayed,
+                         dds::Reader<dadrl_idl_Telemetry>::Create(*impl->node, kRelayedTelemetryTopic));
+  return subscriber;
+}
+
+Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const Config& config) {
+  auto subscriber = Create(TelemetryUrl(config.cluster));
+  return subscriber ? std::move(subscriber) : CreateRelayed(config);
 }
 
 TelemetrySubscriber::~TelemetrySubscriber() = default;
@@ -138,7 +202,7 @@ void TelemetrySubscriber::Poll(Duration timeout, const std::function<void(const 
   // Bounded also when packets come faster than they are handled.
   for (int left = kQueue; left > 0; --left) {
     const Duration wait = deadline - std::chrono::steady_clock::now();
-    if (!impl_->bus->Handle(wait) && wait <= Duration::zero()) break;
+    if (!impl_->Handle(wait) && wait <= Duration::zero()) break;
   }
 }
 

@@ -1,5 +1,6 @@
-// Telemetry of a cluster on one host over LCM: small, lossy, state not events. Every counter is cumulative,
-// so a lost packet loses nothing but freshness; the monitor takes differences.
+// Telemetry of a cluster: over LCM on the replay's host, through replay shard 0 from elsewhere. Small, lossy,
+// state not events. Every counter is cumulative, so a lost packet loses nothing but freshness; the monitor
+// takes differences.
 #pragma once
 
 #include <array>
@@ -98,12 +99,17 @@ struct EpisodeReport {
 // Host-local (ttl 0) multicast on a port of the cluster's own block, so that clusters on one host do not mix.
 std::string TelemetryUrl(const ClusterConfig& cluster);
 
-// Thread safe; never blocks. Where the host has no multicast (or telemetry is off) it says so once and
-// publishes nothing.
+// The LCM channel of either packet.
+const char* TelemetryChannel(bool is_episode);
+
+// Thread safe; never blocks. Where it cannot publish it says so once.
 class TelemetryPublisher {
  public:
-  // `url`: TelemetryUrl; empty: off.
+  // LCM alone. `url`: TelemetryUrl; empty: off.
   explicit TelemetryPublisher(const std::string& url);
+  // As the cluster's processes do it: LCM on the replay's host, and where that is another one, or this one
+  // has no multicast, to the relay of replay shard 0. Off when the configuration says so. Borrows `node`.
+  TelemetryPublisher(const Config& config, const dds::Node& node);
   ~TelemetryPublisher();
   void Publish(const ProcessStatus& status);
   void Publish(const EpisodeReport& report);
@@ -116,8 +122,12 @@ class TelemetryPublisher {
 // Not thread safe. Packets of the wrong length or type are counted and dropped before they are decoded.
 class TelemetrySubscriber {
  public:
-  // kUnavailable when the host has no multicast.
+  // LCM alone. kUnavailable when the host has no multicast.
   static Result<std::unique_ptr<TelemetrySubscriber>> Create(const std::string& url);
+  // What the relay of replay shard 0 passes on: nothing of processes that LCM reaches. Joins DDS.
+  static Result<std::unique_ptr<TelemetrySubscriber>> CreateRelayed(const Config& config);
+  // LCM, or the relay where the host has no multicast.
+  static Result<std::unique_ptr<TelemetrySubscriber>> Create(const Config& config);
   ~TelemetrySubscriber();
   // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread; an empty one
   // is skipped.

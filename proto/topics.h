@@ -52,6 +52,26 @@ inline const dds::TopicSpec kWeightsTopic{.name = "dadrl/weights",
                                           .plane = dds::Plane::kControl,
                                           .keep_all = false,
                                           .transient_local = true};
+// Whoever joins gets it at once, and as often as it likes.
+inline const dds::TopicSpec kRunConfigTopic{.name = "dadrl/run_config",
+                                            .type = &dadrl_idl_RunConfig_desc,
+                                            .plane = dds::Plane::kControl,
+                                            .keep_all = false,
+                                            .transient_local = true};
+// Lossy, as on LCM: cumulative counters, and a reader that is slow must not hold up anyone.
+constexpr int kTelemetryDepth = 1024;
+inline const dds::TopicSpec kTelemetryTopic{.name = "dadrl/telemetry",
+                                            .type = &dadrl_idl_Telemetry_desc,
+                                            .plane = dds::Plane::kControl,
+                                            .reliable = false,
+                                            .keep_all = false,
+                                            .depth = kTelemetryDepth};
+inline const dds::TopicSpec kRelayedTelemetryTopic{.name = "dadrl/telemetry_relayed",
+                                                   .type = &dadrl_idl_Telemetry_desc,
+                                                   .plane = dds::Plane::kControl,
+                                                   .reliable = false,
+                                                   .keep_all = false,
+                                                   .depth = kTelemetryDepth};
 // Manual liveliness: a beat proves that the work loop runs, not only that the process exists.
 inline const dds::TopicSpec kHeartbeatTopic{.name = "dadrl/heartbeat",
                                             .type = &dadrl_idl_Heartbeat_desc,

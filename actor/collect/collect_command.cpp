@@ -51,8 +51,7 @@ class Actor {
       : options_(options),
         spec_(ObservationSpec::From(options.config.observation)),
         policy_(spec_, options.config.model),
-        environment_(std::move(environment)),
-        publisher_(options.config.telemetry.enabled ? TelemetryUrl(options.config.cluster) : "") {}
+        environment_(std::move(environment)) {}
 
   Status Connect();
   void WaitForReplay();
@@ -68,8 +67,8 @@ class Actor {
   TimeLedger ledger_{clock_};
   ActingPolicy policy_;
   std::unique_ptr<Environment> environment_;
-  TelemetryPublisher publisher_;
   std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<TelemetryPublisher> publisher_;
   std::unique_ptr<ExperienceWriter> writer_;
   std::unique_ptr<WeightsSubscriber> weights_;
   std::unique_ptr<ActorEpisodeLog> log_;
@@ -95,6 +94,7 @@ Status Actor::Connect() {
   log_ = std::make_unique<ActorEpisodeLog>(std::move(log));
   DADRL_ASSIGN_OR_RETURN(
       node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index));
+  publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, index, incarnation_));
   DADRL_ASSIGN_OR_RETURN(weights_,
                          WeightsSubscriber::Create(*node_, policy_.parameter_count(), policy_.layout_hash()));
@@ -108,7 +108,7 @@ Status Actor::Connect() {
                                                             .stop = shutdown_requested},
                                            index, incarnation_);
   DADRL_ASSIGN_OR_RETURN(
-      reporter_, StatusReporter::Start(*node_, publisher_, config.telemetry, options_.index, incarnation_,
+      reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, options_.index, incarnation_,
                                        {.fill = [this](ProcessStatus& status) { FillStatus(status); },
                                         .ticks = [this] { return collector_->progress().ticks + waits_; },
                                         .waiting_for = [this] { return WaitingFor(); }}));
@@ -143,7 +143,7 @@ void Actor::WaitForReplay() {
 
 void Actor::Record(const CollectedEpisode& episode) {
   const EpisodeReport report = ReportOf(episode, options_.index, incarnation_);
-  publisher_.Publish(report);
+  publisher_->Publish(report);
   const Status appended = log_->Append(incarnation_, report.sent_ns, episode);
   if (!appended && !std::exchange(log_failed_, true)) {
     spdlog::error("episodes are not logged any more: {}", appended.error().message);

@@ -7,7 +7,7 @@ namespace dadrl {
 Result<std::unique_ptr<ClusterMonitor>> ClusterMonitor::Open(const Config& config, const Clock& clock,
                                                              Listeners listeners) {
   if (!config.telemetry.enabled) return Fail(ErrorCode::kUnavailable, "telemetry.enabled is false");
-  DADRL_ASSIGN_OR_RETURN(auto subscriber, TelemetrySubscriber::Create(TelemetryUrl(config.cluster)));
+  DADRL_ASSIGN_OR_RETURN(auto subscriber, TelemetrySubscriber::Create(config));
   return std::unique_ptr<ClusterMonitor>(
       new ClusterMonitor(std::move(subscriber), config.telemetry.interval_s, clock, std::move(listeners)));
 }

@@ -11,7 +11,7 @@
 
 namespace dadrl {
 
-// Not thread safe. LCM starts a thread of its own: block signals before Open.
+// Not thread safe. LCM and DDS start threads of their own: block signals before Open.
 class ClusterMonitor {
  public:
   struct Listeners {
@@ -19,7 +19,7 @@ class ClusterMonitor {
     std::function<void(const EpisodeReport&)> on_episode;  // may be empty
   };
 
-  // kUnavailable when telemetry is off or the host has no multicast.
+  // kUnavailable when telemetry is off.
   static Result<std::unique_ptr<ClusterMonitor>> Open(const Config& config, const Clock& clock,
                                                       Listeners listeners);
 

@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/config/config_yaml.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
 #include "replay/service/chunk_verifier.h"
@@ -49,12 +50,25 @@ Status ReplayService::Join() {
   DADRL_ASSIGN_OR_RETURN(node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kReplay,
                                                   static_cast<int>(options_.shard)));
   DADRL_ASSIGN_OR_RETURN(heartbeat_, dds::Writer<dadrl_idl_Heartbeat>::Create(*node_, kHeartbeatTopic));
-  telemetry_ = std::make_unique<TelemetryPublisher>(config.telemetry.enabled ? TelemetryUrl(config.cluster)
-                                                                             : std::string());
+  if (options_.shard == 0) DADRL_RETURN_IF_ERROR(AnnounceRun());
+  telemetry_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(
       server_, BatchServer::Create(*node_, options_.shard, *table_, clock_, [this] { ingest_->Wake(); }));
   DADRL_ASSIGN_OR_RETURN(
       ingest_, Ingest::Create(*node_, config, options_.shard, *table_, clock_, [this] { server_->Wake(); }));
+  return {};
+}
+
+Status ReplayService::AnnounceRun() {
+  const Config& config = options_.config;
+  std::string yaml = ToYaml(config, false);
+  dadrl_idl_RunConfig message{};
+  message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
+  message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
+  DADRL_ASSIGN_OR_RETURN(run_config_, dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
+  DADRL_RETURN_IF_ERROR(run_config_->Write(message));
+  if (!config.telemetry.enabled) return {};
+  DADRL_ASSIGN_OR_RETURN(relay_, TelemetryRelay::Create(*node_, config.cluster));
   return {};
 }
 
@@ -81,6 +95,7 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
       PublishStatus();
       next_status = now + status_interval;
     }
+    if (relay_) relay_->Pass();
     sleeper.SleepFor(kTick);
   }
   stopping = true;

@@ -20,6 +20,7 @@
 #include "proto/topics.h"
 #include "replay/service/batch_server.h"
 #include "replay/service/ingest.h"
+#include "replay/service/telemetry_relay.h"
 #include "replay/table.h"
 
 namespace dadrl {
@@ -46,6 +47,7 @@ class ReplayService {
  private:
   ReplayService(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
   Status Join();
+  Status AnnounceRun();
   void Keep(const std::atomic<bool>& stop);
   void Beat();
   void PublishStatus();
@@ -58,6 +60,9 @@ class ReplayService {
   std::unique_ptr<BatchServer> server_;
   std::unique_ptr<Ingest> ingest_;
   std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> heartbeat_;
+  // Shard 0's: for who joins, and for who is out of LCM's reach.
+  std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> run_config_;
+  std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;
   uint64_t beats_ = 0;
 };

@@ -4,6 +4,9 @@
 
 #include <fstream>
 
+#include "common/config/config_yaml.h"
+#include "proto/telemetry.h"
+#include "proto/telemetry_packet.h"
 #include "tests/replay/service/service_fixture.h"
 
 namespace dadrl {
@@ -89,6 +92,57 @@ TEST_F(ReplayServiceTest, DuplicatesGarbageAndGapsChangeNothing) {
   const auto counts = DrawAll();
   EXPECT_EQ(counts.size(), 40u);
   for (const auto& [reward, count] : counts) EXPECT_LT(reward, 10600.0f);
+}
+
+TEST_F(ReplayServiceTest, TellsWhoJoinsTheConfigurationOfTheRun) {
+  Launch();
+  const auto reader = dds::Reader<dadrl_idl_RunConfig>::Create(*actor_node_, kRunConfigTopic).value();
+  std::string yaml;
+  ASSERT_TRUE(Eventually([&] {
+    return reader->Take(1, [&](const dadrl_idl_RunConfig& message) {
+      yaml.assign(reinterpret_cast<const char*>(message.yaml._buffer), message.yaml._length);
+    }) > 0;
+  })) << replay_->Log();
+  EXPECT_EQ(yaml, ToYaml(config_, false));
+}
+
+TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
+  const auto local = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
+  Launch();
+  const auto elsewhere = TelemetrySubscriber::CreateRelayed(config_).value();
+  const auto writer = dds::Writer<dadrl_idl_Telemetry>::Create(*actor_node_, kTelemetryTopic).value();
+  const auto send = [&](bool is_episode, std::vector<std::byte> packet) {
+    dadrl_idl_Telemetry message{};
+    message.is_episode = is_episode;
+    message.packet._buffer = reinterpret_cast<uint8_t*>(packet.data());
+    message.packet._length = message.packet._maximum = static_cast<uint32_t>(packet.size());
+    EXPECT_TRUE(writer->Write(message));
+  };
+  ProcessStatus status;
+  status.index = 77;
+  EpisodeReport report;
+  report.actor = 78;
+  // Lossy: again, until it was heard.
+  const auto hears = [&](TelemetrySubscriber& subscriber) {
+    bool status_heard = false;
+    bool report_heard = false;
+    return Eventually([&] {
+      send(false, std::vector<std::byte>(300, std::byte{0x5a}));
+      send(true, EncodePacket(status));
+      send(false, EncodePacket(status));
+      send(true, EncodePacket(report));
+      subscriber.Poll(
+          std::chrono::milliseconds(50),
+          [&](const ProcessStatus& heard) { status_heard |= heard.index == status.index; },
+          [&](const EpisodeReport& heard) { report_heard |= heard.actor == report.actor; });
+      return status_heard && report_heard;
+    });
+  };
+  EXPECT_TRUE(hears(*elsewhere)) << replay_->Log();
+  EXPECT_EQ(elsewhere->rejected_packets(), 0u) << "forged packets are not passed on";
+  if (local) {
+    EXPECT_TRUE(hears(**local)) << replay_->Log();
+  }
 }
 
 TEST_F(ReplayServiceTest, SigtermDrainsAndTheNextRunGoesOnCounting) {

@@ -1,0 +1,34 @@
+// Brings telemetry to where LCM does not reach: processes on other machines or hosts without multicast write
+// it to the control domain; shard 0 passes it on, to LCM on its host and to monitors that read DDS.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/config/config.h"
+#include "common/dds/endpoint.h"
+#include "common/telemetry/lcm_bus.h"
+#include "common/util/result.h"
+#include "proto/topics.h"
+
+namespace dadrl {
+
+// Not thread safe; never blocks. Packets that are not what they claim to be are dropped and counted.
+class TelemetryRelay {
+ public:
+  static Result<std::unique_ptr<TelemetryRelay>> Create(const dds::Node& node, const ClusterConfig& cluster);
+  // Passes on what has arrived.
+  void Pass();
+  uint64_t rejected_packets() const { return rejected_; }
+
+ private:
+  TelemetryRelay() = default;
+  void OnPacket(const dadrl_idl_Telemetry& message);
+
+  std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> in_;
+  std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> out_;
+  std::unique_ptr<LcmBus> bus_;  // null where the host has no multicast
+  uint64_t rejected_ = 0;
+};
+
+}  // namespace dadrl
