@@ -9,13 +9,22 @@ namespace {
 // Room for a bounded sequence of 64 MiB (cluster.idl) and its header; Cyclone's own default is 2 GB.
 constexpr const char* kMaxSampleSize = "65 MiB";
 
+std::string PeerXml(const ClusterConfig& cluster, Plane plane, int place) {
+  return fmt::format("<Peer Address=\"{}:{}\"/>", cluster.host, WellKnownPort(cluster, plane, place));
+}
+
 // Everyone speaks first to the services; the services answer and speak to each other. Actors and monitors
 // know nobody else, so discovery stays linear in their number.
 std::string PeersXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane) {
   std::string peers;
-  for (int place = 0; place <= replay_shards; ++place) {
+  for (int block = 0; cluster.port == 0 && block < kBlocks; ++block) {
+    ClusterConfig candidate = cluster;
+    candidate.port = kFirstPort + block * kPortBlock;
+    peers += PeerXml(candidate, plane, 0);
+  }
+  for (int place = 0; cluster.port > 0 && place <= replay_shards; ++place) {
     if (IsService(role) && place == PlaceOf(role, index, replay_shards)) continue;
-    peers += fmt::format("<Peer Address=\"{}:{}\"/>", cluster.host, WellKnownPort(cluster, plane, place));
+    peers += PeerXml(cluster, plane, place);
   }
   return peers;
 }
@@ -70,8 +79,8 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<Tracing><Verbosity>warning</Verbosity><OutputFile>/dev/null</OutputFile></Tracing>"
       "</Domain></CycloneDDS>",
       GeneralXml(cluster, interface_address), static_cast<int>(plane), participant,
-      PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s, cluster.port,
-      InternalXml(cluster.receive_buffer_bytes));
+      PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s,
+      cluster.port > 0 ? cluster.port : kFirstPort, InternalXml(cluster.receive_buffer_bytes));
 }
 
 }  // namespace dadrl::dds

@@ -7,11 +7,6 @@
 namespace dadrl::dds {
 namespace {
 
-// Below the ports that Linux hands out by itself (32768 and up), so that a block stays free once it is
-// chosen.
-constexpr int kFirstPort = 10000;
-constexpr int kBlocks = 113;
-
 // Nothing else binds the first port of a block (it would be Cyclone's multicast port), so a socket bound
 // there reserves the whole block.
 bool TryReserveBlock(int base) {

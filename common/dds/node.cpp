@@ -34,7 +34,8 @@ Status CheckPortsFree(const ClusterConfig& cluster, int place, Plane plane) {
 }
 
 Status CheckArguments(const ClusterConfig& cluster, int replay_shards, Role role, int index) {
-  if (cluster.port <= 0 || cluster.port + kPortBlock > 65536) {
+  const bool scout = role == Role::kMonitor && cluster.port == 0;
+  if ((cluster.port <= 0 && !scout) || cluster.port + kPortBlock > 65536) {
     return Fail(ErrorCode::kInvalidArgument, "cluster.port: {} leaves no room for {} ports below 65536",
                 cluster.port, kPortBlock);
   }

@@ -31,6 +31,11 @@ bool IsService(Role role);
 // Where a service stands among them: shard i at i, the learner after the last shard.
 int PlaceOf(Role role, int index, int replay_shards);
 
+// Where FindFreePort looks: below the ports that Linux hands out by itself (32768 and up), so that a block
+// stays free once it is chosen.
+constexpr int kFirstPort = 10000;
+constexpr int kBlocks = 113;
+
 // Well-known ports stand at base + 100 * plane + 10 + 2 * place (discovery) and one above (data).
 int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place);
 
@@ -44,9 +49,10 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
 class Node {
  public:
   // `index`: shard number of a replay, id of an actor, 0 otherwise. Does not wait for peers.
+  // A monitor with cluster.port 0 knows shard 0 of every block that FindFreePort may have given out.
   // kInvalidArgument: cluster.host cannot be resolved, or is no address of this machine (replay and learner),
-  // or cluster.port is 0. kUnavailable: a port is taken; the message names it. Of a receive buffer that the
-  // host forbids it takes what it gets, with a warning.
+  // or cluster.port is 0 (others). kUnavailable: a port is taken; the message names it. Of a receive buffer
+  // that the host forbids it takes what it gets, with a warning.
   static Result<std::unique_ptr<Node>> Create(const ClusterConfig& cluster, int replay_shards, Role role,
                                               int index);
   ~Node();

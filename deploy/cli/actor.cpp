@@ -12,6 +12,7 @@
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/run_directory.h"
+#include "deploy/local/run_finder.h"
 #include "deploy/local/signals.h"
 #include "deploy/local/supervisor.h"
 
@@ -30,8 +31,10 @@ constexpr Duration kTick = std::chrono::milliseconds(200);
 
 struct Endpoint {
   std::string host;
-  int port = 0;  // 0: the configuration's
+  int port = 0;  // 0: to be found
 };
+// A replay that was just killed is back within it.
+constexpr Duration kPatience = std::chrono::seconds(15);
 
 Result<Endpoint> ParseEndpoint(const std::string& text) {
   const size_t colon = text.rfind(':');
@@ -85,24 +88,18 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
 Result<int> RunJoin(const ActorOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.join));
-  if (options.config.file.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "--config is needed: the config.yaml of the run to join, copied from its run directory");
-  }
-  DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
+  DADRL_RETURN_IF_ERROR(options.config.Apply(Config{}));  // before anything waits
+  DADRL_ASSIGN_OR_RETURN(const Config run, FindRun(endpoint.host, endpoint.port, kPatience,
+                                                   [&] { return signals->StopRequested(); }));
+  DADRL_ASSIGN_OR_RETURN(const Config config, options.config.Apply(run));
   DADRL_RETURN_IF_ERROR(Validate(config));
-  if (endpoint.port == 0 && config.cluster.port == 0) {
-    return Fail(ErrorCode::kInvalidArgument, "--join {}: {} names no cluster.port, so HOST:PORT is needed",
-                options.join, options.config.file);
-  }
   const auto root = options.run_dir.empty() ? NewRunPath("runs", "join-" + endpoint.host)
                                             : std::filesystem::path(options.run_dir);
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(root));
   DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
   const int first = options.first_index >= 0 ? options.first_index : DrawFirstIndex(options.actors);
-  DADRL_ASSIGN_OR_RETURN(
-      std::vector<ProcessSpec> specs,
-      ActorProcesses(directory.paths(), first, options.actors, endpoint.host, endpoint.port));
+  DADRL_ASSIGN_OR_RETURN(std::vector<ProcessSpec> specs,
+                         ActorProcesses(directory.paths(), first, options.actors));
   fmt::print(stderr, "actors {} to {} join {}; logs in {}\n", first, first + options.actors - 1, options.join,
              directory.paths().logs().string());
   return RunActors(std::move(specs), *signals);

@@ -28,15 +28,12 @@ Arguments Common(const std::filesystem::path& program, const RunPaths& paths) {
 
 }  // namespace
 
-Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count,
-                                                const std::string& host, int port) {
+Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count) {
   DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
   std::vector<ProcessSpec> specs;
   for (int index = first; index < first + count; ++index) {
     Arguments arguments = {program,     "collect",  "--config", paths.config(),
                            "--run-dir", paths.root, "--index",  std::to_string(index)};
-    if (!host.empty()) arguments.insert(arguments.end(), {"--host", host});
-    if (port != 0) arguments.insert(arguments.end(), {"--port", std::to_string(port)});
     ProcessSpec spec = Spec(paths, fmt::format("actor-{}", index), kActorRole, std::move(arguments));
     spec.expendable = true;
     spec.nice = kActorNice;

@@ -1,7 +1,6 @@
 // The processes of a local cluster: their command lines, logs and how they are stopped.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "common/config/config.h"
@@ -19,9 +18,7 @@ inline constexpr const char* kActorRole = "actor";
 // been saved to the run directory. kNotFound when a program is missing.
 Result<std::vector<ProcessSpec>> ClusterProcesses(const RunPaths& paths, const Config& config);
 
-// Actors `first` to `first + count - 1`; `host` and `port` override the configuration's cluster when not
-// empty and not 0.
-Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count,
-                                                const std::string& host = "", int port = 0);
+// Actors `first` to `first + count - 1`.
+Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count);
 
 }  // namespace dadrl

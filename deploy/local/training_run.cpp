@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/dds/address.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/executables.h"
@@ -75,6 +76,10 @@ Result<RunOutcome> TrainingRun::Run() {
   display_.Message(fmt::format("{} run {}: {} replay, 1 learner, {} actors; Ctrl-C stops with a checkpoint",
                                resume_ ? "resumed" : "new", paths_.root.string(), config_.replay.shards,
                                config_.actor.count));
+  if (!dds::IsLoopback(config_.cluster.host)) {
+    display_.Message(fmt::format("other machines join with: dadrl actor --join {}:{}", config_.cluster.host,
+                                 config_.cluster.port));
+  }
   while (phase_ != Phase::kDone) {
     WaitForEvents();
     if (monitor_) monitor_->Poll(Duration::zero());

@@ -98,7 +98,9 @@ INSTANTIATE_TEST_SUITE_P(
                  2,
                  "--hold is for --policy random, not for rdm"},
         BadInput{"MonitorWithoutRun", {"monitor", "--run-dir", "/no/such/run"}, 1, "holds no run"},
-        BadInput{"JoinWithoutConfig", {"actor", "--join", "10.0.0.1"}, 2, "--config is needed"},
+        BadInput{"JoinNobody", {"actor", "--join", "no.such.host.invalid"}, 2, "no.such.host.invalid"},
+        BadInput{
+            "JoinUnknownKey", {"actor", "--join", "127.0.0.1", "--set", "actor.cont=2"}, 2, "actor.count"},
         BadInput{"JoinBadPort", {"actor", "--join", "10.0.0.1:99999"}, 2, "10.0.0.1:99999"}),
     [](const auto& test) { return test.param.name; });
 
