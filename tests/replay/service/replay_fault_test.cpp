@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -205,6 +207,42 @@ TEST_F(ReplayFault, ALearnerThatTakesNothingHoldsUpNobody) {
   for (const uint64_t request : requests) {
     EXPECT_TRUE(Eventually([&] { return learner_->RepliesTo(request).size() == 1; }));
   }
+}
+
+// A program of this test, by its arguments; its process id.
+pid_t Spawn(const std::vector<std::string>& arguments) {
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  execv(argv[0], argv.data());
+  _exit(127);
+}
+
+TEST_F(ReplayFault, TwoHundredActorsJoinAtOnceAndAllTheirChunksAreThereOnce) {
+  constexpr int kProcesses = 8;
+  constexpr int kActors = 25;
+  constexpr int kChunks = 20;
+  Launch();
+  std::vector<pid_t> pids;
+  for (int process = 0; process < kProcesses; ++process) {
+    pids.push_back(
+        Spawn({std::string(DADRL_BINARY_DIR) + "/tests/many_actors",
+               (folder_.path() / "run" / "config.yaml").string(), std::to_string(1000 + process * kActors),
+               std::to_string(kActors), std::to_string(kChunks)}));
+  }
+  for (const pid_t pid : pids) {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status << "\n" << replay_->Log();
+  }
+  replay_->Kill();
+  const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  EXPECT_EQ(chunks->size(), static_cast<size_t>(kProcesses * kActors * kChunks));
+  for (const auto& [identity, copies] : *chunks) EXPECT_EQ(copies.size(), 1u) << identity.actor;
 }
 
 // What the replay tells the monitor.

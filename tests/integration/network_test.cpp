@@ -1,0 +1,150 @@
+// Two machines: network namespaces joined by a cable that can be pulled. Needs root and iproute2.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "common/config/config_yaml.h"
+#include "common/model/observation.h"
+#include "tests/integration/cluster_under_test.h"
+#include "tests/replay/service/stored_chunks.h"
+
+namespace dadrl {
+namespace {
+
+// One of the two ends; gone with the object, whatever is left in it.
+class Machine {
+ public:
+  Machine(const std::string& name, std::string address)
+      : name_(fmt::format("dadrl-{}-{}", getpid(), name)), address_(std::move(address)) {
+    Ip({"netns", "add", name_});
+  }
+  ~Machine() { RunCommand({"ip", "netns", "del", name_}); }
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  // A veth end cannot bear a longer name than this.
+  std::string device() const { return fmt::format("v{}{}", getpid(), name_.back()); }
+  const std::string& name() const { return name_; }
+  const std::string& address() const { return address_; }
+  std::vector<std::string> Inside(std::vector<std::string> command) const {
+    command.insert(command.begin(), {"ip", "netns", "exec", name_});
+    return command;
+  }
+  void Connect() const {
+    Ip({"-n", name_, "addr", "add", address_ + "/24", "dev", device()});
+    Ip({"-n", name_, "link", "set", "lo", "up"});
+    SetLink(true);
+  }
+  void SetLink(bool up) const { Ip({"-n", name_, "link", "set", device(), up ? "up" : "down"}); }
+
+  static void Ip(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "ip");
+    const CommandOutput output = RunCommand(arguments);
+    ASSERT_EQ(output.exit_code, 0) << fmt::format("{}", fmt::join(arguments, " ")) << ": " << output.err;
+  }
+
+ private:
+  std::string name_;
+  std::string address_;
+};
+
+class TwoMachines : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0) GTEST_SKIP() << "only root may make network namespaces";
+    Machine::Ip({"link", "add", centre_.device(), "netns", centre_.name(), "type", "veth", "peer", "name",
+                 edge_.device(), "netns", edge_.name()});
+    centre_.Connect();
+    edge_.Connect();
+    std::vector<std::string> train = {DadrlProgram(), "train", "left_turn"};
+    for (const std::string& argument : SmallTraining()) train.push_back(argument);
+    *(std::find(train.begin(), train.end(), "--actors") + 1) = "0";
+    train.insert(train.end(), {"--set", "cluster.host=" + centre_.address(), "--run-dir", run_.string()});
+    training_ = Start(centre_, std::move(train));
+    ASSERT_TRUE(Eventually([&] { return std::filesystem::exists(run_ / "config.yaml"); })) << Said();
+    actors_ = Start(edge_, {DadrlProgram(), "actor", "--join", centre_.address(), "--run-dir",
+                            (folder_.path() / "edge").string()});
+    ASSERT_TRUE(MonitorUntil([](const json& monitor) { return IsTraining(monitor); })) << Said();
+  }
+  void TearDown() override {
+    if (actors_) Stop(*actors_);
+    if (training_) Stop(*training_);
+  }
+
+  std::optional<ChildProcess> Start(const Machine& machine, std::vector<std::string> command) {
+    auto child = ChildProcess::Spawn({.command = machine.Inside(std::move(command)), .log = log_});
+    EXPECT_TRUE(child);
+    if (!child) return std::nullopt;
+    return std::move(*child);
+  }
+  void Stop(ChildProcess& child) {
+    child.Signal(SIGINT);
+    EXPECT_TRUE(Eventually([&] { return child.TryWait().has_value(); }, std::chrono::seconds(60))) << Said();
+  }
+  std::optional<json> MonitorUntil(const std::function<bool(const json&)>& condition) {
+    std::optional<json> answer;
+    const bool held = Eventually(
+        [&] {
+          const CommandOutput output =
+              RunCommand(centre_.Inside({DadrlProgram(), "monitor", "--json", "--run-dir", run_.string()}));
+          if (output.exit_code != 0) return false;
+          answer = json::parse(output.out, nullptr, false);
+          return answer->is_object() && condition(*answer);
+        },
+        std::chrono::seconds(90));
+    return held ? answer : std::nullopt;
+  }
+  std::string Said() const { return FileText(log_); }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path run_ = folder_.path() / "run";
+  const std::filesystem::path log_ = folder_.path() / "log";
+  const Machine centre_{"a", "10.213.77.1"};
+  const Machine edge_{"b", "10.213.77.2"};
+  std::optional<ChildProcess> training_;
+  std::optional<ChildProcess> actors_;
+};
+
+// The edge reaches the centre by its address alone, and the centre sees the edge's actor: SetUp waits for it.
+TEST_F(TwoMachines, APulledCableCostsAndRepeatsNothingAndTrainingGoesOnByItself) {
+  const auto before = MonitorUntil([](const json& monitor) { return IsTraining(monitor); });
+  ASSERT_TRUE(before) << Said();
+  edge_.SetLink(false);
+  // Twice the lease and more: DDS itself has given up, and the centre knows nothing of its actor any more.
+  const auto uptime = [](const json& monitor) {
+    return ProcessIn(monitor, "learner")["uptime_s"].get<double>();
+  };
+  ASSERT_TRUE(MonitorUntil([&](const json& monitor) {
+    return monitor["actors_alive"] == 0 && uptime(monitor) > uptime(*before) + 8.0;
+  })) << Said();
+  edge_.SetLink(true);
+  const auto after = MonitorUntil([&](const json& monitor) {
+    return IsTraining(monitor) && monitor["inserted_frames_per_s"] > 0.0 &&
+           monitor["updates"] > (*before)["updates"].get<double>() + 20;
+  });
+  ASSERT_TRUE(after) << Said();
+  for (const char* name : {"replay-0", "learner"}) EXPECT_EQ(PidOf(*after, name), PidOf(*before, name));
+
+  Stop(*actors_);
+  actors_.reset();
+  Stop(*training_);
+  training_.reset();
+  Config config;
+  ASSERT_TRUE(LoadYaml(run_ / "config.yaml", config));
+  const auto chunks =
+      ReadStoredChunks(run_ / "replay" / "shard-0", SchemaHash(ObservationSpec::From(config.observation)));
+  ASSERT_TRUE(chunks) << chunks.error().message;
+  std::map<std::pair<uint32_t, uint64_t>, uint64_t> last;  // by actor and incarnation
+  for (const auto& [identity, copies] : *chunks) {
+    EXPECT_EQ(copies.size(), 1u);
+    uint64_t& sequence = last[{identity.actor, identity.incarnation}];
+    EXPECT_EQ(identity.sequence, sequence + 1) << "what lies between is lost";
+    sequence = identity.sequence;
+  }
+  EXPECT_FALSE(last.empty());
+}
+
+}  // namespace
+}  // namespace dadrl
