@@ -30,7 +30,7 @@ namespace {
 constexpr int kRuns = 5;
 constexpr uint64_t kChunks = 30000;
 constexpr int kBatches = 6000;
-constexpr int kOutstanding = 16;  // the most that learner.credits allows
+constexpr int kOutstanding = 16;    // the most that learner.credits allows
 constexpr int kAnswers = 1500;      // of the latency
 constexpr uint64_t kStored = 3000;  // chunks to sample from
 
