@@ -1,16 +1,10 @@
 #include "deploy/local/evaluation_job.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "common/config/config_schema.h"
 #include "deploy/local/executables.h"
-#include "deploy/local/log_tail.h"
 
 namespace dadrl {
 namespace {
@@ -18,38 +12,6 @@ namespace {
 constexpr int kMaxAttempts = 2;
 constexpr int kSlicesPerProcess = 4;
 constexpr size_t kTailLines = 8;
-
-Result<FileDescriptor> MemoryFile(const char* name) {
-  FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
-  if (!file.valid()) return Fail(ErrorCode::kExhausted, "memfd_create: {}", std::strerror(errno));
-  return file;
-}
-
-std::filesystem::path PathOf(const FileDescriptor& file) {
-  return fmt::format("/proc/self/fd/{}", file.get());
-}
-
-std::string Content(const FileDescriptor& file) {
-  std::string text;
-  char buffer[1 << 16];
-  ssize_t count = 0;
-  while ((count = pread(file.get(), buffer, sizeof buffer, static_cast<off_t>(text.size()))) > 0) {
-    text.append(buffer, static_cast<size_t>(count));
-  }
-  return text;
-}
-
-int CompleteLines(const FileDescriptor& file) {
-  const std::string text = Content(file);
-  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
-}
-
-// The message of a log line (common/util/log.h: stamp, level, role, colon).
-std::string WithoutStamp(const std::string& line) {
-  const size_t role = line.find(" E ");
-  const size_t colon = role == std::string::npos ? std::string::npos : line.find(": ", role);
-  return colon == std::string::npos ? line : line.substr(colon + 2);
-}
 
 // What is left of `slice` after its first `done` episodes.
 EvaluationSlice Rest(const EvaluationSlice& slice, int done) {
@@ -89,19 +51,17 @@ Result<EvaluationJob> EvaluationJob::Create(EvaluationPlan plan) {
 
 void EvaluationJob::AppendWaitFds(std::vector<pollfd>& fds) const {
   for (const Worker& worker : running_) {
-    fds.push_back({.fd = worker.child.pidfd(), .events = POLLIN, .revents = 0});
+    fds.push_back({.fd = worker.process.child().pidfd(), .events = POLLIN, .revents = 0});
   }
 }
 
 std::vector<pid_t> EvaluationJob::RunningPids() const {
   std::vector<pid_t> pids;
-  for (const Worker& worker : running_) pids.push_back(worker.child.pid());
+  for (const Worker& worker : running_) pids.push_back(worker.process.child().pid());
   return pids;
 }
 
 Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor lines, MemoryFile("evaluation"));
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor log, MemoryFile("evaluation-log"));
   std::vector<std::string> command = {
       plan_.program, "evaluate",
       "--policy",    plan_.policy,
@@ -109,17 +69,13 @@ Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
       "--seeds",     fmt::format("{}:{}", next.slice.first_seed, next.slice.count)};
   if (!plan_.config.empty()) command.insert(command.end(), {"--config", plan_.config});
   command.insert(command.end(), plan_.policy_arguments.begin(), plan_.policy_arguments.end());
-  DADRL_ASSIGN_OR_RETURN(
-      ChildProcess child,
-      ChildProcess::Spawn(
-          {.command = std::move(command), .log = PathOf(log), .stdout_fd = lines.get(), .nice = plan_.nice}));
-  return Worker{next.scenario,    next.slice,       next.attempts + 1,
-                std::move(child), std::move(lines), std::move(log)};
+  DADRL_ASSIGN_OR_RETURN(CapturedProcess process, CapturedProcess::Spawn(std::move(command), plan_.nice));
+  return Worker{next.scenario, next.slice, next.attempts + 1, std::move(process)};
 }
 
 void EvaluationJob::Step() {
   for (size_t i = 0; i < running_.size();) {
-    const auto status = running_[i].child.TryWait();
+    const auto status = running_[i].process.child().TryWait();
     if (!status) {
       ++i;
       continue;
@@ -142,11 +98,9 @@ void EvaluationJob::Step() {
 }
 
 void EvaluationJob::Gather(Worker& worker, const ExitStatus& status) {
-  const std::string text = Content(worker.lines);
   int done = 0;
-  for (size_t begin = 0, end = text.find('\n'); end != std::string::npos;
-       begin = end + 1, end = text.find('\n', begin)) {
-    Result<EvaluatedEpisode> episode = ParseEpisodeLine(std::string_view(text).substr(begin, end - begin));
+  for (const std::string& line : worker.process.OutputLines()) {
+    Result<EvaluatedEpisode> episode = ParseEpisodeLine(line);
     const uint64_t expected = worker.slice.first_seed + static_cast<uint64_t>(done);
     if (!episode || episode->summary.seed != expected || done == worker.slice.count) {
       error_ = Error{
@@ -173,31 +127,30 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
     waiting_.push_back({worker.scenario, rest, attempts});
     return;
   }
-  const std::vector<std::string> log = LogTail(PathOf(worker.log), kTailLines);
+  const std::string last_message = worker.process.LastMessage();
   if (status.signaled) {
     // The simulator aborts on this traffic: the episode is lost, the evaluation is not.
     EvaluatedEpisode lost;
     lost.group = rest.group;
     lost.summary.scenario = worker.scenario;
     lost.summary.seed = rest.first_seed;
-    lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(),
-                             log.empty() ? "" : WithoutStamp(log.back()));
+    lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(), last_message);
     episodes_.push_back(std::move(lost));
     if (rest.count > 1) waiting_.push_back({worker.scenario, Rest(rest, 1), 0});
     return;
   }
-  if (refused && !log.empty()) {
-    error_ = Error{ErrorCode::kInvalidArgument, WithoutStamp(log.back())};
+  if (refused && !last_message.empty()) {
+    error_ = Error{ErrorCode::kInvalidArgument, last_message};
     return;
   }
   std::string message = fmt::format("evaluation failed at seed {} ({})", rest.first_seed, status.Describe());
-  for (const std::string& line : log) message += "\n  | " + line;
+  for (const std::string& line : worker.process.LogEnd(kTailLines)) message += "\n  | " + line;
   error_ = Error{ErrorCode::kInternal, std::move(message)};
 }
 
 int EvaluationJob::finished_episodes() const {
   int count = static_cast<int>(episodes_.size());
-  for (const Worker& worker : running_) count += CompleteLines(worker.lines);
+  for (const Worker& worker : running_) count += worker.process.OutputLineCount();
   return count;
 }
 

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "common/io/file_descriptor.h"
 #include "common/util/result.h"
-#include "deploy/local/child_process.h"
+#include "deploy/local/captured_process.h"
 #include "proto/evaluation/report.h"
 
 namespace dadrl {
@@ -68,9 +67,7 @@ class EvaluationJob {
     std::string scenario;
     EvaluationSlice slice;
     int attempts = 1;
-    ChildProcess child;
-    FileDescriptor lines;  // its standard output, in memory
-    FileDescriptor log;    // its standard error, in memory
+    CapturedProcess process;
   };
   struct Waiting {
     std::string scenario;

@@ -1,0 +1,81 @@
+#include "deploy/local/captured_process.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "deploy/local/log_tail.h"
+
+namespace dadrl {
+namespace {
+
+Result<FileDescriptor> MemoryFile(const char* name) {
+  FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
+  if (!file.valid()) return Fail(ErrorCode::kExhausted, "memfd_create: {}", std::strerror(errno));
+  return file;
+}
+
+std::filesystem::path PathOf(const FileDescriptor& file) {
+  return fmt::format("/proc/self/fd/{}", file.get());
+}
+
+// The message of a log line: stamp, level, role, colon, message.
+std::string WithoutStamp(const std::string& line) {
+  const size_t role = line.find(" E ");
+  const size_t colon = role == std::string::npos ? std::string::npos : line.find(": ", role);
+  return colon == std::string::npos ? line : line.substr(colon + 2);
+}
+
+}  // namespace
+
+CapturedProcess::CapturedProcess(ChildProcess child, FileDescriptor output, FileDescriptor log)
+    : child_(std::move(child)), output_(std::move(output)), log_(std::move(log)) {}
+
+Result<CapturedProcess> CapturedProcess::Spawn(std::vector<std::string> command, int nice) {
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor output, MemoryFile("output"));
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor log, MemoryFile("log"));
+  DADRL_ASSIGN_OR_RETURN(
+      ChildProcess child,
+      ChildProcess::Spawn(
+          {.command = std::move(command), .log = PathOf(log), .stdout_fd = output.get(), .nice = nice}));
+  return CapturedProcess(std::move(child), std::move(output), std::move(log));
+}
+
+std::string CapturedProcess::Output() const {
+  std::string text;
+  char buffer[1 << 16];
+  ssize_t count = 0;
+  while ((count = pread(output_.get(), buffer, sizeof buffer, static_cast<off_t>(text.size()))) > 0) {
+    text.append(buffer, static_cast<size_t>(count));
+  }
+  return text;
+}
+
+std::vector<std::string> CapturedProcess::OutputLines() const {
+  const std::string text = Output();
+  std::vector<std::string> lines;
+  for (size_t begin = 0, end = text.find('\n'); end != std::string::npos;
+       begin = end + 1, end = text.find('\n', begin)) {
+    lines.push_back(text.substr(begin, end - begin));
+  }
+  return lines;
+}
+
+int CapturedProcess::OutputLineCount() const {
+  const std::string text = Output();
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+std::vector<std::string> CapturedProcess::LogEnd(size_t lines) const { return LogTail(PathOf(log_), lines); }
+
+std::string CapturedProcess::LastMessage() const {
+  const std::vector<std::string> last = LogEnd(1);
+  return last.empty() ? "" : WithoutStamp(last.back());
+}
+
+}  // namespace dadrl

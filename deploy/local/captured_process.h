@@ -1,0 +1,40 @@
+// A child process whose output and log are kept in memory until it is asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/io/file_descriptor.h"
+#include "common/util/result.h"
+#include "deploy/local/child_process.h"
+
+namespace dadrl {
+
+// Thread rule as ChildProcess.
+class CapturedProcess {
+ public:
+  // `nice` is added to the child's niceness. Errors as ChildProcess::Spawn; kExhausted: no memory file.
+  static Result<CapturedProcess> Spawn(std::vector<std::string> command, int nice = 0);
+
+  ChildProcess& child() { return child_; }
+  const ChildProcess& child() const { return child_; }
+
+  // Standard output until now.
+  std::string Output() const;
+  // The whole lines of it, without line breaks.
+  std::vector<std::string> OutputLines() const;
+  int OutputLineCount() const;
+  // The last lines of standard error.
+  std::vector<std::string> LogEnd(size_t lines) const;
+  // The message of the last line logged, without its stamp (common/util/log.h); empty when there is none.
+  std::string LastMessage() const;
+
+ private:
+  CapturedProcess(ChildProcess child, FileDescriptor output, FileDescriptor log);
+
+  ChildProcess child_;
+  FileDescriptor output_;
+  FileDescriptor log_;
+};
+
+}  // namespace dadrl
