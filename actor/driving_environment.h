@@ -40,6 +40,7 @@ class DrivingEnvironment final : public Environment {
   const Config& config() const { return config_; }
   const RoadMap& map() const { return simulation_->map(); }
   const Route& route() const { return simulation_->route(); }
+  bool sumo_drives() const { return options_.driver == EgoDriver::kSumo; }
   const EgoController& controller() const { return controller_; }
   const EgoVehicle& vehicle() const { return vehicle_; }
   // Of the last simulation step; valid until the next.

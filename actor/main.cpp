@@ -1,18 +1,18 @@
 // dadrl-actor: drives the ego in simulation, to collect experience or to evaluate a policy.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <optional>
 
 #include "actor/collect/collect_command.h"
 #include "actor/evaluation/evaluation.h"
+#include "actor/render/render_command.h"
 #include "common/config/config_yaml.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
+#include "proto/evaluation/seed_range.h"
 
 namespace dadrl {
 namespace {
 
-constexpr int kMaxEpisodes = 1'000'000;
 constexpr int kMaxHoldSteps = 1000;
 
 struct CollectArguments {
@@ -30,6 +30,16 @@ struct EvaluateArguments {
   std::string config;
   std::optional<int> hold_steps;
   std::optional<double> impatience;
+};
+
+struct RenderArguments {
+  std::string policy;
+  std::string scenario;
+  std::optional<uint64_t> seed;
+  std::string seeds;
+  std::string config;
+  std::string outcome;
+  RenderOptions options;
 };
 
 CLI::App* AddCollect(CLI::App& app, CollectArguments& arguments) {
@@ -57,6 +67,23 @@ CLI::App* AddEvaluate(CLI::App& app, EvaluateArguments& arguments) {
   return command;
 }
 
+CLI::App* AddRender(CLI::App& app, RenderArguments& arguments) {
+  CLI::App* command = app.add_subcommand("render", "drive episodes and draw them, print a line for each");
+  RenderOptions& options = arguments.options;
+  command->add_option("--policy", arguments.policy, "policy file, or a scripted driver's name")->required();
+  command->add_option("--out", options.out, "ends in .svg, .png or /")->required();
+  auto* seed = command->add_option("--seed", arguments.seed, "traffic seed");
+  command->add_option("--seeds", arguments.seeds, "traffic seeds, FIRST:COUNT")->excludes(seed);
+  command->add_option("--scenario", arguments.scenario, "instead of the configuration's");
+  command->add_option("--config", arguments.config, "configuration; defaults without");
+  command->add_option("--outcome", arguments.outcome, "draw only episodes that end so");
+  command->add_option("--every", options.every, "simulation steps between moments");
+  command->add_option("--moments", options.moments, "in a strip");
+  command->add_option("--from", options.from_s, "seconds");
+  command->add_option("--to", options.to_s, "seconds");
+  return command;
+}
+
 Status Collect(const CollectArguments& arguments) {
   CollectOptions options;
   DADRL_RETURN_IF_ERROR(LoadYaml(arguments.config, options.config));
@@ -67,24 +94,17 @@ Status Collect(const CollectArguments& arguments) {
   return RunCollect(options);
 }
 
-// "1000000:50"
-Result<std::vector<PlannedEpisode>> ParseSeeds(const std::string& text) {
-  unsigned long long first = 0;
-  int count = 0;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%llu:%d%n", &first, &count, &used) != 2 ||
-      used != static_cast<int>(text.size()) || count < 1 || count > kMaxEpisodes) {
-    return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' is not FIRST:COUNT with a COUNT of 1 to {}", text,
-                kMaxEpisodes);
-  }
-  if (first < kFirstEvaluationSeed) {
+// Of an evaluation.
+Result<std::vector<PlannedEpisode>> PlanSeeds(const std::string& text) {
+  DADRL_ASSIGN_OR_RETURN(const SeedRange range, ParseSeedRange(text));
+  if (range.first < kFirstEvaluationSeed) {
     return Fail(ErrorCode::kInvalidArgument,
-                "--seeds: {} belongs to training; evaluation takes seeds from {} up", first,
+                "--seeds: {} belongs to training; evaluation takes seeds from {} up", range.first,
                 kFirstEvaluationSeed);
   }
   std::vector<PlannedEpisode> episodes;
-  episodes.reserve(static_cast<size_t>(count));
-  for (int i = 0; i < count; ++i) episodes.push_back({.seed = first + static_cast<uint64_t>(i)});
+  episodes.reserve(static_cast<size_t>(range.count));
+  for (int i = 0; i < range.count; ++i) episodes.push_back({.seed = range.first + static_cast<uint64_t>(i)});
   return episodes;
 }
 
@@ -111,14 +131,35 @@ Status Evaluate(const EvaluateArguments& arguments) {
   DADRL_ASSIGN_OR_RETURN(options.policy_options, ParsePolicyOptions(arguments));
   if (!arguments.config.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(arguments.config, options.config));
   if (!arguments.scenario.empty()) options.config.scenario = arguments.scenario;
-  DADRL_ASSIGN_OR_RETURN(options.episodes, ParseSeeds(arguments.seeds));
+  DADRL_ASSIGN_OR_RETURN(options.episodes, PlanSeeds(arguments.seeds));
   options.policy = arguments.policy;
   options.on_episode = [](const EvaluatedEpisode& episode) {
-    return PrintEpisodeLine(episode) && !shutdown_requested;
+    return PrintLine(EpisodeLine(episode)) && !shutdown_requested;
   };
   const auto report = RunEvaluation(options);
   if (!report) return tl::unexpected<Error>(report.error());
   return {};
+}
+
+Status Render(const RenderArguments& arguments) {
+  RenderOptions options = arguments.options;
+  if (!arguments.config.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(arguments.config, options.config));
+  if (!arguments.scenario.empty()) options.config.scenario = arguments.scenario;
+  options.policy = arguments.policy;
+  options.gallery = !arguments.seeds.empty();
+  if (options.gallery) {
+    DADRL_ASSIGN_OR_RETURN(const SeedRange range, ParseSeedRange(arguments.seeds));
+    for (int i = 0; i < range.count; ++i) options.seeds.push_back(range.first + static_cast<uint64_t>(i));
+  } else {
+    options.seeds = {arguments.seed.value_or(kFirstEvaluationSeed)};
+  }
+  if (!arguments.outcome.empty()) {
+    options.outcome = OutcomeFromName(arguments.outcome);
+    if (!options.outcome) return Fail(ErrorCode::kInvalidArgument, "--outcome: no '{}'", arguments.outcome);
+  }
+  return RunRender(options, [](const RenderedEpisode& episode) {
+    return PrintLine(RenderedLine(episode)) && !shutdown_requested;
+  });
 }
 
 int Main(int argc, char** argv) {
@@ -128,15 +169,18 @@ int Main(int argc, char** argv) {
   EvaluateArguments evaluate;
   CLI::App* const collect_command = AddCollect(app, collect);
   AddEvaluate(app, evaluate);
+  RenderArguments render;
+  CLI::App* const render_command = AddRender(app, render);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   const bool collecting = collect_command->parsed();
-  InitLogging(collecting ? fmt::format("actor-{}", collect.index) : "evaluation");
+  const bool rendering = render_command->parsed();
+  InitLogging(collecting ? fmt::format("actor-{}", collect.index) : rendering ? "render" : "evaluation");
   InstallShutdownHandler();
-  const Status status = collecting ? Collect(collect) : Evaluate(evaluate);
+  const Status status = collecting ? Collect(collect) : rendering ? Render(render) : Evaluate(evaluate);
   if (status) return 0;
   spdlog::error("{}", status.error().message);
   return ExitCode(status.error());

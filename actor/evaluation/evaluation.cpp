@@ -50,8 +50,8 @@ Result<EvaluationReport> RunEvaluation(const EvaluationOptions& options) {
   return report;
 }
 
-bool PrintEpisodeLine(const EvaluatedEpisode& episode) {
-  const std::string line = EpisodeLine(episode) + '\n';
+bool PrintLine(std::string line) {
+  line += '\n';
   return std::fwrite(line.data(), 1, line.size(), stdout) == line.size() && std::fflush(stdout) == 0;
 }
 

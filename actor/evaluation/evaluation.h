@@ -36,8 +36,8 @@ std::vector<EvaluatedEpisode> DriveEpisodes(DrivingEnvironment& environment, Dri
 // Drives one episode. Errors as Environment.
 Result<EpisodeSummary> DriveEpisode(DrivingEnvironment& environment, DrivingPolicy& policy, uint64_t seed);
 
-// An on_episode that prints an EpisodeLine on standard output and flushes it: the line protocol between
-// `dadrl-actor evaluate` and the process that gathers. Returns false when nobody reads any more.
-bool PrintEpisodeLine(const EvaluatedEpisode& episode);
+// Prints `line` and a line break on standard output and flushes: the line protocol between `dadrl-actor` and
+// the process that gathers. Returns false when nobody reads any more.
+bool PrintLine(std::string line);
 
 }  // namespace dadrl

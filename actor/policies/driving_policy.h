@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ class DrivingPolicy {
   virtual void BeginEpisode(uint64_t seed) { static_cast<void>(seed); }
   // For the scene the environment is in.
   virtual Decision Decide(const DrivingEnvironment& environment) = 0;
+  // Of the last Decide: how much each row of the observation's vehicles weighed, sums to at most 1. Empty
+  // when the driver attends to none. Valid until the next Decide.
+  virtual std::span<const float> attention() const { return {}; }
 };
 
 // What an evaluation needs to know of its driver before it builds the environment.
@@ -34,6 +38,7 @@ struct PolicySetup {
   std::unique_ptr<DrivingPolicy> policy;
   EnvironmentOptions environment;  // whether SUMO drives
   Config config;                   // the caller's, with what a learned policy was trained on put in
+  std::string description;         // for a reader: "rdm, which keeps its lane at 15 m/s"
 };
 
 struct PolicyOptions {

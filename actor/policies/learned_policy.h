@@ -16,6 +16,7 @@ class LearnedPolicy final : public DrivingPolicy {
     const Action action = policy_.Act(environment.observation(), nullptr);
     return {CommandOf(action, task.max_speed_mps), task.decision_interval};
   }
+  std::span<const float> attention() const override { return policy_.last().attention; }
 
  private:
   ActingPolicy policy_;

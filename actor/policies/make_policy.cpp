@@ -21,28 +21,38 @@ const std::map<std::string, Maker>& ScriptedPolicies() {
   static const std::map<std::string, Maker> kPolicies = {
       {"idm",
        [](const Config& config, const PolicyOptions& options) {
-         return PolicySetup{
-             std::make_unique<SumoDriverPolicy>(), {EgoDriver::kSumo, options.impatience}, config};
+         return PolicySetup{std::make_unique<SumoDriverPolicy>(),
+                            {EgoDriver::kSumo, options.impatience},
+                            config,
+                            "idm, SUMO's own driver"};
        }},
       {"predictive",
        [](const Config& config, const PolicyOptions&) {
-         return PolicySetup{std::make_unique<PredictivePolicy>(), {}, config};
+         return PolicySetup{std::make_unique<PredictivePolicy>(),
+                            {},
+                            config,
+                            "predictive, rules that look four seconds ahead"};
        }},
       {"random",
        [](const Config& config, const PolicyOptions& options) {
-         return PolicySetup{std::make_unique<RandomPolicy>(options.random_hold_steps), {}, config};
+         return PolicySetup{
+             std::make_unique<RandomPolicy>(options.random_hold_steps), {}, config, "random commands"};
        }},
       {"rdm",
        [](const Config& config, const PolicyOptions&) {
          return PolicySetup{
-             std::make_unique<ConstantSpeedPolicy>(kRdmSpeed, ConstantSpeedPolicy::Lane::kKeep), {}, config};
+             std::make_unique<ConstantSpeedPolicy>(kRdmSpeed, ConstantSpeedPolicy::Lane::kKeep),
+             {},
+             config,
+             "rdm, which keeps its lane at 15 m/s and never yields"};
        }},
       {"slow",
        [](const Config& config, const PolicyOptions&) {
          return PolicySetup{
              std::make_unique<ConstantSpeedPolicy>(kCreepSpeed, ConstantSpeedPolicy::Lane::kRoute),
              {},
-             config};
+             config,
+             "slow, which creeps at 4 m/s and never yields"};
        }},
   };
   return kPolicies;
@@ -57,6 +67,7 @@ std::string JoinedNames() {
 Result<PolicySetup> LoadLearnedPolicy(const std::filesystem::path& path, const Config& config) {
   DADRL_ASSIGN_OR_RETURN(const PolicyFile file, LoadPolicy(path));
   PolicySetup setup;
+  setup.description = fmt::format("a policy trained for {} updates", file.updates);
   setup.config = config;
   setup.config.observation = file.config.observation;
   setup.config.model = file.config.model;

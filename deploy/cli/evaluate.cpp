@@ -1,20 +1,15 @@
 #include <poll.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
 #include <thread>
 
-#include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/io/atomic_file.h"
-#include "common/io/file_descriptor.h"
-#include "common/model/policy_file.h"
 #include "deploy/cli/command.h"
+#include "deploy/cli/driver.h"
 #include "deploy/local/evaluation_job.h"
 #include "deploy/local/executables.h"
 #include "deploy/local/shipped_policies.h"
@@ -38,29 +33,6 @@ struct EvaluateOptions {
 };
 
 constexpr int kTickMs = 200;
-
-// A file is read here, so that a damaged one is one clear message; any other word is left to dadrl-actor,
-// which knows the scripted drivers. Fills in the scenario a learned policy was trained on.
-Status CheckPolicy(const std::string& policy, const std::string& scenario, Config& config) {
-  std::error_code error;
-  const bool is_file = std::filesystem::exists(policy, error);
-  const bool looks_like_file = policy.find_first_of("/.") != std::string::npos;
-  if (!is_file && !looks_like_file) {
-    if (!scenario.empty()) return {};
-    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}", policy,
-                fmt::join(ScenarioNames(), ", "));
-  }
-  DADRL_ASSIGN_OR_RETURN(const PolicyFile file, LoadPolicy(policy));
-  if (scenario.empty()) config.scenario = file.config.scenario;
-  return {};
-}
-
-// The effective configuration as a file that the evaluating processes can open while `file` lives.
-Result<std::filesystem::path> ShareConfig(const Config& config, const FileDescriptor& file) {
-  const std::string yaml = ToYaml(config, false);
-  DADRL_RETURN_IF_ERROR(WriteAll(file, std::as_bytes(std::span(yaml)), "configuration"));
-  return std::filesystem::path(fmt::format("/proc/{}/fd/{}", getpid(), file.get()));
-}
 
 // False when the user stopped it.
 bool RunToEnd(EvaluationJob& job, SignalWatcher& signals) {
@@ -95,8 +67,7 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
   DADRL_RETURN_IF_ERROR(Validate(config));
   DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
-  const FileDescriptor config_file(memfd_create("config", MFD_CLOEXEC));
-  DADRL_ASSIGN_OR_RETURN(const auto config_path, ShareConfig(config, config_file));
+  DADRL_ASSIGN_OR_RETURN(const SharedConfig shared, SharedConfig::Create(config));
 
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   DADRL_ASSIGN_OR_RETURN(
@@ -106,7 +77,7 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
                              .policy_label = options.policy,
                              .policy_arguments = PolicyArguments(options),
                              .scenario = config.scenario,
-                             .config = config_path,
+                             .config = shared.path(),
                              .first_seed = options.first_seed,
                              .groups = options.groups,
                              .episodes = options.episodes,
