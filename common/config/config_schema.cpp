@@ -144,7 +144,8 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   EvaluationConfig& e = c.evaluation;
   b.Add("evaluation.interval_s", e.interval_s, 0, 1e9,
         "Seconds between evaluations while training; 0 is none");
-  b.Add("evaluation.episodes", e.episodes, 1, 1e6, "Episodes of an evaluation while training");
+  b.Add("evaluation.episodes", e.episodes, 1, 1e6,
+        "Episodes of an evaluation while training, of each scenario");
   b.Add("evaluation.processes", e.processes, 1, 1024, "Processes an evaluation uses");
   ClusterConfig& n = c.cluster;
   b.Add("cluster.host", n.host, "Address at which actors reach replay and learner");

@@ -2,24 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <thread>
 
 #include "commit.h"
-#include "common/io/read_file.h"
 
 namespace dadrl {
 namespace {
 
-constexpr uint64_t kMaxBytes = uint64_t{16} << 20;
-
-// The first "model name : ..." of /proc/cpuinfo.
+// The first "model name : ..." of /proc/cpuinfo, as x86 has it.
 std::string ProcessorName() {
-  const auto info = ReadTextFile("/proc/cpuinfo", kMaxBytes);
-  if (!info) return "unknown processor";
-  const size_t key = info->find("model name");
-  const size_t begin = key == std::string::npos ? key : info->find(": ", key);
-  if (begin == std::string::npos) return "unknown processor";
-  return info->substr(begin + 2, info->find('\n', begin) - begin - 2);
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const size_t value = line.find(": ");
+    if (line.starts_with("model name") && value != std::string::npos) return line.substr(value + 2);
+  }
+  return "unknown processor";
 }
 
 }  // namespace

@@ -61,6 +61,17 @@ TEST(Lockstep, SameSeedGivesTheSameWeightsBitForBit) {
   EXPECT_NE(first->policy_hash, other->policy_hash);
 }
 
+TEST(Lockstep, OnAllScenariosToo) {
+  Config config = TinyTraining(5);
+  config.scenario = "all";
+  const auto first = TrainInChild(config, FreshDirectory("all"));
+  const auto second = TrainInChild(config, FreshDirectory("all_again"));
+  const auto one = TrainInChild(TinyTraining(5), FreshDirectory("one"));
+  ASSERT_TRUE(first && second && one);
+  EXPECT_EQ(first->policy_hash, second->policy_hash);
+  EXPECT_NE(first->policy_hash, one->policy_hash);
+}
+
 TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
   Config config = TinyTraining(1);
   config.learner.max_updates = 0;
