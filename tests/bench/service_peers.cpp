@@ -167,28 +167,38 @@ std::vector<double> Fetch(const Config& config, const Fetching& fetching) {
     SystemClock().SleepFor(std::chrono::milliseconds(10));
   }
   std::vector<TimePoint> asked;  // by request number
-  const auto ask = [&] {
+  const auto send = [&](uint64_t number) {
     dadrl_idl_BatchRequest request{};
     request.learner = static_cast<uint64_t>(getpid());
-    request.request = asked.size();
+    request.request = number;
     request.batch_size = fetching.batch_size;
     request.n_step = static_cast<uint32_t>(config.algorithm.n_step);
     request.schema = SchemaHash(kSpec);
-    asked.push_back(Now());
     if (!requests->Write(request)) spdlog::error("a request was not sent");
+  };
+  const auto ask = [&] {
+    asked.push_back(Now());
+    send(asked.size() - 1);
   };
   double bytes = 0.0;
   std::vector<double> latencies;
   const TimePoint begin = Now();
+  TimePoint heard = begin;
   for (int i = 0; i < fetching.outstanding; ++i) ask();
   while (latencies.size() < static_cast<size_t>(fetching.batches)) {
     const int taken = replies->Take(16, [&](const dadrl_idl_BatchReply& reply) {
       if (reply.bytes._length == 0) return;  // has to wait: too little is stored yet
+      heard = Now();
       bytes += reply.bytes._length;
       latencies.push_back(ToSeconds(Now() - asked[reply.request]));
       if (latencies.size() % static_cast<size_t>(fetching.replies_of) == 0) ask();
     });
     if (taken == 0) replies->Wait(kWait);
+    // What was asked before the peer knew our writer never arrived.
+    if (latencies.empty() && Now() - heard > kResendAfter) {
+      heard = Now();
+      for (uint64_t number = 0; number < asked.size(); ++number) send(number);
+    }
   }
   const double seconds = ToSeconds(Now() - begin);
   std::sort(latencies.begin(), latencies.end());
