@@ -14,7 +14,9 @@ const clocks = [root, ...document.querySelectorAll('svg svg')];
 document.getElementById('keys').setAttribute('visibility', 'visible');
 const pause = () => clocks.forEach((clock) => clock.pauseAnimations());
 const play = () => clocks.forEach((clock) => clock.unpauseAnimations());
-const wind = (to) => clocks.forEach((clock) => clock.setCurrentTime(Math.min(Math.max(to, 0), duration)));
+// A little beyond the end, where the last moment stays.
+const end = duration + 0.001;
+const wind = (to) => clocks.forEach((clock) => clock.setCurrentTime(Math.min(Math.max(to, 0), end)));
 const toggle = () => {
   if (root.getCurrentTime() >= duration) { wind(0); play(); }
   else if (root.animationsPaused()) play();
