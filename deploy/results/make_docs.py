@@ -16,6 +16,10 @@ import runs
 import tables
 
 DOCUMENTS = ("benchmark", "results", "experiments")
+ABLATION_PICTURES = {
+    "humanness_error": "Humanness error of the ablations",
+    "overall_score": "Overall score of the ablations",
+}
 PLACEHOLDER = re.compile(r"^\{\{([a-z_]+)(?: ([a-z0-9_]+))?\}\}$", re.MULTILINE)
 
 
@@ -25,6 +29,7 @@ class Documents:
     def __init__(self, data):
         self.data = data
         self.paper = runs.read_json(data / "paper.json")
+        self.prototype = runs.read_json(data / "prototype.json")
         self.reports = runs.load_records(data / "benchmark")
         self.records = runs.load_records(data / "runs")
 
@@ -33,8 +38,15 @@ class Documents:
 
     def benchmark_collisions(self):
         rows = [(f"{tables.TITLES[report['scenario']]}, `{report['driver']}`", report)
-                for report in self.reports.values() if report["collision"] > 0]
+                for scenario in tables.TITLES for report in self.reports.values()
+                if report["scenario"] == scenario and report["collision"] > 0]
         return tables.collision_kinds(rows)
+
+    def benchmark_expected(self):
+        return tables.expectations(self.reports, self.prototype)
+
+    def benchmark_creeping(self):
+        return tables.creeping(self.reports)
 
     def benchmark_version(self):
         versions = sorted({report.get("version", "unknown") for report in self.reports.values()})
@@ -63,11 +75,16 @@ class Documents:
         return tables.experiment(runs.load_records(self.data / "experiments" / group))
 
     def picture(self, name):
-        titles = {"humanness_error": "Humanness error of the ablations", "overall_score": "Overall score of the ablations",
-                  "learning_curves": "Success while training"}
-        if name not in titles and not (self.data / "experiments" / name).is_dir():
-            return f"The picture {name} follows when there are runs to draw."
-        return f"![{titles.get(name, 'Success while training: ' + name)}](images/{name}.svg)"
+        """Nothing for an experiment without runs: its table says so."""
+        if name == "learning_curves":
+            there, title = self.records, "Success while training"
+        elif name in ABLATION_PICTURES:
+            there, title = tables.compared_scenarios(self.records), ABLATION_PICTURES[name]
+        else:
+            there, title = runs.load_records(self.data / "experiments" / name), f"Success while training: {name}"
+        if not there:
+            return "Not drawn yet: the runs are missing." if title in ABLATION_PICTURES.values() else ""
+        return f"![{title}](images/{name}.svg)"
 
 
 def render(template, documents, origin):

@@ -33,8 +33,7 @@ def ablation_values(records, field):
 
 def draw_ablation(path, records, field, label):
     values = ablation_values(records, field)
-    # Only scenarios in which there is something to compare.
-    scenarios = [name for name in tables.TITLES if sum(name in values.get(method, {}) for method in ABLATION) > 1]
+    scenarios = tables.compared_scenarios(records)
     if not scenarios:
         return
     figure, axes = plt.subplots(figsize=(1.2 + 1.6 * len(scenarios), 2.8))

@@ -66,6 +66,15 @@ def method_of(record):
     return "dad_rl" if configuration.get("model.context") == "true" else "context_free"
 
 
+def compared_scenarios(records):
+    """Scenarios in which at least two of the paper's three ablations were trained."""
+    trained = {}
+    for record in records.values():
+        if method_of(record) != "all":
+            trained.setdefault(record["scenario"], set()).add(method_of(record))
+    return [scenario for scenario in TITLES if len(trained.get(scenario, ())) > 1]
+
+
 def reports_of(record):
     """A record's evaluation by scenario."""
     evaluation = record["evaluation"]
@@ -89,6 +98,49 @@ def benchmark_scenario(scenario, reports, paper):
         rows.append([title, str(report["episodes"]), *outcome_cells(report), *figures])
     header = ["driver", "n", "success %", "collision %", "off-road %", "stagnation %", "steps", "humanness error", "score"]
     return f"### {TITLES[scenario]}\n\n" + table(header, rows)
+
+
+def wilson(hits, trials):
+    """95 % Wilson score interval, as proto/evaluation/wilson.h."""
+    z = 1.959963984540054
+    scale = 1 + z * z / trials
+    centre = (hits / trials + z * z / (2 * trials)) / scale
+    half = z / scale * (hits / trials * (1 - hits / trials) / trials + z * z / (4 * trials * trials)) ** 0.5
+    return max(0.0, centre - half), min(1.0, centre + half)
+
+
+def expectations(benchmark, prototype):
+    """Each figure of the prototype beside ours; `apart` when the two intervals do not even touch."""
+    rows = []
+    for what in ("rdm collision", "predictive success"):
+        driver, rate = what.split()
+        for scenario, (hits, trials) in zip(prototype["scenarios"], prototype[what]):
+            low, high = wilson(hits, trials)
+            expected = f"{percent(hits / trials)} [{percent(low)}, {percent(high)}]"
+            report = benchmark.get(f"{scenario}-{driver}")
+            if report is None:
+                rows.append([f"`{driver}` {rate}", TITLES[scenario], str(trials), expected, "not run yet", ""])
+                continue
+            ours_low, ours_high = report[f"{rate}_ci95"]
+            verdict = "apart" if ours_low > high or ours_high < low else "agree"
+            rows.append([f"`{driver}` {rate}", TITLES[scenario], str(trials), expected, with_interval(report, rate), verdict])
+    return table(["%", "scenario", "n", "prototype", "here (n = 300)", ""], rows, left=2)
+
+
+def creeping(benchmark):
+    """What creeping gains and loses beside the driver that yields."""
+    rows = []
+    for scenario, title in TITLES.items():
+        reports = [benchmark.get(f"{scenario}-{driver}") for driver in ("slow", "predictive")]
+        if None in reports:
+            rows.append([title, *["not run yet"] * 6])
+            continue
+        cells = [percent(report["success"]) for report in reports]
+        cells += [f"{report['median_steps']:.0f}" for report in reports]
+        cells += [f"{report['overall_score']:.3f}" for report in reports]
+        rows.append([title, *cells])
+    header = ["", "success %: `slow`", "`predictive`", "steps: `slow`", "`predictive`", "score: `slow`", "`predictive`"]
+    return table(header, rows)
 
 
 def kinds(report):

@@ -14,7 +14,8 @@ class MakeDocs(ResultsTest):
         self.docs = self.folder / "docs"
         shutil.copytree(ROOT / "docs" / "templates", self.docs / "templates")
         (self.docs / "data").mkdir()
-        shutil.copy(ROOT / "docs" / "data" / "paper.json", self.docs / "data")
+        for name in ("paper.json", "prototype.json"):
+            shutil.copy(ROOT / "docs" / "data" / name, self.docs / "data")
 
     def add(self, path, value):
         runs.write_json(self.docs / "data" / path, value)
@@ -105,6 +106,22 @@ class MakeDocs(ResultsTest):
         code, _, err = self.make()
         self.assertEqual(code, 1)
         self.assertIn("broken.json: not JSON", err)
+
+
+class Tables(unittest.TestCase):
+    # Newcombe (1998), table I, method 3: 81 of 263 and 15 of 148.
+    def test_wilson_agrees_with_the_published_examples(self):
+        for hits, trials, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605)):
+            found = tables.wilson(hits, trials)
+            self.assertAlmostEqual(found[0], low, places=4)
+            self.assertAlmostEqual(found[1], high, places=4)
+
+    def test_expectations_say_when_intervals_do_not_touch(self):
+        prototype = {"scenarios": ["left_turn"], "rdm collision": [[56, 100]], "predictive success": [[10, 40]]}
+        reports = {"left_turn-rdm": report(0.44), "left_turn-predictive": report(0.98)}
+        lines = tables.expectations(reports, prototype).splitlines()
+        self.assertTrue(lines[2].endswith("| 56.0 [54.0, 58.0] | agree |"), lines[2])
+        self.assertTrue(lines[3].endswith("| 98.0 [96.0, 100.0] | apart |"), lines[3])
 
 
 class FlatConfiguration(unittest.TestCase):
