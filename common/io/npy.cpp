@@ -149,7 +149,16 @@ Status WriteNpyBytes(const std::filesystem::path& path, std::string_view type, s
 Result<NpyBytes> ReadNpyBytes(const std::filesystem::path& path, std::string_view type, uint64_t max_bytes) {
   NpyBytes array;
   DADRL_ASSIGN_OR_RETURN(array.file, ReadFile(path, max_bytes));
-  ByteReader reader(array.file);
+  DADRL_ASSIGN_OR_RETURN(NpyView view, ParseNpy(array.file, type, path));
+  array.shape = std::move(view.shape);
+  array.values = view.values;
+  return array;
+}
+
+Result<NpyView> ParseNpy(std::span<const std::byte> file, std::string_view type,
+                         const std::filesystem::path& path) {
+  NpyView array;
+  ByteReader reader(file);
   const std::span<const std::byte> magic = reader.GetBytes(kMagic.size());
   const auto format = reader.Get<uint8_t>();
   reader.Get<uint8_t>();  // minor

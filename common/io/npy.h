@@ -48,6 +48,15 @@ struct NpyBytes {
   std::span<const std::byte> values;  // the part of `file` behind the header
 };
 
+// The shape and the numbers of a .npy file that is in memory; `path` is for the error. Errors as
+// ReadNpyBytes.
+struct NpyView {
+  std::vector<size_t> shape;
+  std::span<const std::byte> values;
+};
+Result<NpyView> ParseNpy(std::span<const std::byte> file, std::string_view type,
+                         const std::filesystem::path& path);
+
 // kNotFound without a file, kExhausted when it is longer than `max_bytes`, kCorrupt when it is damaged or no
 // .npy file, kInvalidArgument when it holds another type or is column-major (remedy in the message). Formats
 // 1 to 3. Blocks on the disk.
