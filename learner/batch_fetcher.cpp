@@ -13,6 +13,11 @@ constexpr Duration kLongestWait = std::chrono::milliseconds(50);
 // One line for a burst of garbage, not one each.
 constexpr Duration kLogInterval = std::chrono::seconds(5);
 
+// Batches that may be under way or ready (RequestBook), and the one in training.
+size_t SlotCount(const Config& config) {
+  return static_cast<size_t>(config.learner.credits) * static_cast<size_t>(config.replay.shards) + 1;
+}
+
 void Count(std::atomic<uint64_t>& counter, uint64_t by = 1) {
   counter.fetch_add(by, std::memory_order_relaxed);
 }
@@ -42,12 +47,11 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t i
       incarnation_(incarnation),
       newest_version_(std::move(newest_version)),
       options_(options),
-      ready_(static_cast<size_t>(config.learner.credits) + 1),
-      free_(static_cast<size_t>(config.learner.credits) + 1),
+      ready_(SlotCount(config)),
+      free_(SlotCount(config)),
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
       codec_(ObservationSpec::From(config.observation), config.actor.floats) {
-  // One more than the credits: a batch in training holds no credit any more.
-  for (int i = 0; i < config.learner.credits + 1; ++i) {
+  for (size_t i = 0; i < SlotCount(config); ++i) {
     slots_.push_back(std::make_unique<Slot>(
         Slot{TransitionBatch(ObservationSpec::From(config.observation), algorithm_.batch_size), 0}));
     Slot* slot = slots_.back().get();

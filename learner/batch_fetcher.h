@@ -35,8 +35,8 @@ struct FetchStats {
   uint64_t frames_held = 0;  // by all shards, now
 };
 
-// Owns a thread that asks, receives and decodes, and learner.credits + 1 batches that go round. Memory is
-// allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; stats: any.
+// Owns a thread that asks, receives and decodes, and learner.credits batches for each shard that go round.
+// Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; stats: any.
 class BatchFetcher final : public BatchSource {
  public:
   struct Options {

@@ -6,8 +6,8 @@ namespace dadrl {
 
 RequestBook::RequestBook(int shards, int credits, Duration timeout)
     : credits_(static_cast<size_t>(credits)), timeout_(timeout), shards_(static_cast<size_t>(shards)) {
-  open_.reserve(credits_);
-  due_.reserve(credits_);
+  open_.reserve(credits_ * shards_.size());
+  due_.reserve(credits_ * shards_.size());
 }
 
 const std::vector<RequestBook::Request>& RequestBook::Due(TimePoint now, int ready) {
@@ -27,12 +27,25 @@ const std::vector<RequestBook::Request>& RequestBook::Due(TimePoint now, int rea
     due_.push_back(open.request);
     ++repeated_;
   }
-  while (now >= hold_off_until_ && open_.size() + static_cast<size_t>(ready) < credits_) {
-    const Request request{ChooseShard(now), next_number_++};
+  while (now >= hold_off_until_ && Active() + static_cast<size_t>(ready) < credits_) {
+    const std::optional<uint32_t> shard = ChooseShard(now);
+    if (!shard) break;
+    const Request request{*shard, next_number_++};
     open_.push_back({.request = request, .sent = now});
     due_.push_back(request);
   }
   return due_;
+}
+
+size_t RequestBook::Active() const {
+  if (shards_.size() == 1) return open_.size();
+  return static_cast<size_t>(
+      std::count_if(open_.begin(), open_.end(), [](const Open& open) { return !open.withheld; }));
+}
+
+bool RequestBook::Withholds(uint32_t shard) const {
+  return std::any_of(open_.begin(), open_.end(),
+                     [&](const Open& open) { return open.withheld && open.request.shard == shard; });
 }
 
 RequestBook::Open* RequestBook::Find(const Request& reply) {
@@ -80,7 +93,7 @@ bool RequestBook::all_withheld() const {
 TimePoint RequestBook::next_due(TimePoint now) const {
   TimePoint next = TimePoint::max();
   for (const Open& open : open_) next = std::min(next, open.repeat ? now : open.sent + timeout_);
-  if (open_.size() < credits_ && now < hold_off_until_) next = std::min(next, hold_off_until_);
+  if (Active() < credits_ && now < hold_off_until_) next = std::min(next, hold_off_until_);
   return next;
 }
 
@@ -93,24 +106,26 @@ uint64_t RequestBook::frames_held() const {
 // Smooth weighted round robin: every shard gains its weight, the richest pays for all and is chosen. Over any
 // stretch the shares follow the weights. A shard that has not answered yet weighs as much as the fullest, so
 // that it is asked; one that was silent is left out while another is not.
-uint32_t RequestBook::ChooseShard(TimePoint now) {
+std::optional<uint32_t> RequestBook::ChooseShard(TimePoint now) {
   double fullest = 1.0;
   bool all_avoided = true;
-  for (const Shard& shard : shards_) {
+  for (uint32_t i = 0; i < shards_.size(); ++i) {
+    const Shard& shard = shards_[i];
     fullest = std::max(fullest, static_cast<double>(shard.frames_held));
-    all_avoided = all_avoided && now < shard.avoided_until;
+    all_avoided = all_avoided && (now < shard.avoided_until || Withholds(i));
   }
   double total = 0.0;
-  Shard* chosen = nullptr;
-  for (Shard& shard : shards_) {
-    if (now < shard.avoided_until && !all_avoided) continue;
+  std::optional<uint32_t> chosen;
+  for (uint32_t i = 0; i < shards_.size(); ++i) {
+    Shard& shard = shards_[i];
+    if (Withholds(i) || (now < shard.avoided_until && !all_avoided)) continue;
     const double weight = shard.known ? std::max(1.0, static_cast<double>(shard.frames_held)) : fullest;
     shard.turn += weight;
     total += weight;
-    if (chosen == nullptr || shard.turn > chosen->turn) chosen = &shard;
+    if (!chosen || shard.turn > shards_[*chosen].turn) chosen = i;
   }
-  chosen->turn -= total;
-  return static_cast<uint32_t>(chosen - shards_.data());
+  if (chosen) shards_[*chosen].turn -= total;
+  return chosen;
 }
 
 }  // namespace dadrl

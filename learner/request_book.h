@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/util/clock.h"
@@ -12,7 +13,9 @@ namespace dadrl {
 // A credit covers one batch from its request until the trainer takes it, so that no more than `credits`
 // batches are ever under way or waiting. Requests go to shards in proportion to the frames they hold. A
 // request that stays unanswered is sent again with the same number; with several shards it is given up and
-// its credit goes to another shard. Not thread safe.
+// its credit goes to another shard. A shard that withholds a batch (too little experience yet, enough
+// samples) keeps the request and gets no other, and the credit goes to another shard too: one that waits for
+// its actors does not hold up training. So up to credits x shards batches may be under way. Not thread safe.
 class RequestBook {
  public:
   struct Request {
@@ -62,7 +65,11 @@ class RequestBook {
   };
 
   Open* Find(const Request& reply);
-  uint32_t ChooseShard(TimePoint now);
+  // Open requests that hold a credit.
+  size_t Active() const;
+  bool Withholds(uint32_t shard) const;
+  // Nothing when every shard withholds.
+  std::optional<uint32_t> ChooseShard(TimePoint now);
 
   const size_t credits_;
   const Duration timeout_;

@@ -63,6 +63,43 @@ TEST(RequestBook, WithheldRequestStaysOpenAndKeepsItsCredit) {
   EXPECT_FALSE(book.all_withheld());
 }
 
+TEST(RequestBook, AShardThatWithholdsDoesNotHoldUpTheOthers) {
+  RequestBook book(2, 2, kTimeout);
+  TimePoint now = kStart;
+  int served = 0;
+  for (int round = 0; round < 100; ++round, now += 1ms) {
+    for (const auto& request : std::vector(book.Due(now, 0))) {
+      if (request.shard == 0) {
+        ASSERT_TRUE(book.OnWithheld(request, 0, now));  // no actor has written to it yet
+      } else {
+        ASSERT_TRUE(book.OnReply(request, 1000));
+        ++served;
+      }
+    }
+    ASSERT_FALSE(book.idle());
+  }
+  EXPECT_GE(served, 98);
+}
+
+TEST(RequestBook, AsksAWithholdingShardNoMoreUntilItServes) {
+  RequestBook book(2, 3, kTimeout);
+  std::vector<RequestBook::Request> withheld;
+  TimePoint now = kStart;
+  for (int round = 0; round < 20; ++round, now += 1ms) {
+    for (const auto& request : std::vector(book.Due(now, 0))) {
+      withheld.push_back(request);
+      ASSERT_TRUE(book.OnWithheld(request, 10, now));
+    }
+  }
+  EXPECT_TRUE(book.all_withheld());
+  EXPECT_LE(withheld.size(), 6u) << "credits x shards";
+  const size_t before = withheld.size();
+  EXPECT_TRUE(book.Due(now, 0).empty());
+  for (const auto& request : withheld) ASSERT_TRUE(book.OnReply(request, 10));
+  EXPECT_EQ(book.Due(now, static_cast<int>(before)).size(), 0u) << "what is ready holds credits";
+  EXPECT_EQ(book.Due(now, 0).size(), 3u);
+}
+
 TEST(RequestBook, SharesFollowTheFramesThatShardsHold) {
   RequestBook book(3, 1, kTimeout);
   const std::map<uint32_t, uint64_t> held = {{0, 1000}, {1, 3000}, {2, 0}};

@@ -27,10 +27,11 @@ inline bool Eventually(const std::function<bool()>& condition, double limit_s = 
 // from the first unacknowledged again when the replay is another one or has been silent for a while.
 class PeerActor {
  public:
-  PeerActor(const dds::Node& node, uint32_t id, uint64_t incarnation) : id_(id), incarnation_(incarnation) {
+  PeerActor(const dds::Node& node, uint32_t id, uint64_t incarnation, int shard = 0)
+      : id_(id), incarnation_(incarnation) {
     acknowledgements_ =
         dds::Reader<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(id)).value();
-    chunks_ = dds::Writer<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)).value();
+    chunks_ = dds::Writer<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(shard)).value();
   }
 
   void Add(TestChunk chunk) {

@@ -13,8 +13,8 @@
 
 namespace dadrl {
 
-ReplayProcess::ReplayProcess(std::filesystem::path run_directory, const Config& config)
-    : run_directory_(std::move(run_directory)) {
+ReplayProcess::ReplayProcess(std::filesystem::path run_directory, const Config& config, int shard)
+    : run_directory_(std::move(run_directory)), shard_(shard) {
   std::filesystem::create_directories(run_directory_);
   std::ofstream(run_directory_ / "config.yaml") << ToYaml(config, false);
 }
@@ -24,7 +24,8 @@ ReplayProcess::~ReplayProcess() { Kill(); }
 void ReplayProcess::Start(std::optional<uint64_t> file_limit) {
   const std::string program = std::string(DADRL_BINARY_DIR) + "/bin/dadrl-replay";
   const std::string config = (run_directory_ / "config.yaml").string();
-  const std::string log = (run_directory_ / "log").string();
+  const std::string log = LogFile().string();
+  const std::string shard = std::to_string(shard_);
   pid_ = fork();
   if (pid_ != 0) return;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -37,7 +38,7 @@ void ReplayProcess::Start(std::optional<uint64_t> file_limit) {
     setrlimit(RLIMIT_FSIZE, &limit);
   }
   execl(program.c_str(), program.c_str(), "--config", config.c_str(), "--run-dir", run_directory_.c_str(),
-        "--shard", "0", static_cast<char*>(nullptr));
+        "--shard", shard.c_str(), static_cast<char*>(nullptr));
   _exit(127);
 }
 
@@ -64,8 +65,12 @@ int ReplayProcess::WaitForExit() {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+std::filesystem::path ReplayProcess::LogFile() const {
+  return run_directory_ / (shard_ == 0 ? "log" : "log-" + std::to_string(shard_));
+}
+
 std::string ReplayProcess::Log() const {
-  std::ifstream file(run_directory_ / "log");
+  std::ifstream file(LogFile());
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

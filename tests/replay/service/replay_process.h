@@ -15,7 +15,7 @@ namespace dadrl {
 class ReplayProcess {
  public:
   // Writes `config` to the run directory; nothing runs yet.
-  ReplayProcess(std::filesystem::path run_directory, const Config& config);
+  ReplayProcess(std::filesystem::path run_directory, const Config& config, int shard = 0);
   ~ReplayProcess();
   ReplayProcess(const ReplayProcess&) = delete;
   ReplayProcess& operator=(const ReplayProcess&) = delete;
@@ -29,7 +29,10 @@ class ReplayProcess {
   std::string Log() const;  // all it has said on standard error
 
  private:
+  std::filesystem::path LogFile() const;
+
   std::filesystem::path run_directory_;
+  const int shard_;
   int pid_ = 0;
 };
 
