@@ -77,7 +77,7 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     shared_updates_ = updates_;
     staleness_.Add(batch->policy_version);
   }
-  if (config_.replay.sampler == SamplerKind::kPrioritized) {
+  if (UsesPriorities(config_.replay)) {
     parts_.batches.UpdatePriorities(*batch, parts_.algorithm.td_error());
   }
   parts_.batches.Release(batch);

@@ -195,6 +195,7 @@ Status ChunkView::CheckFrames() const {
   return {};
 }
 
+uint64_t ChunkView::checksum() const { return Load<uint64_t>(&bytes_[bytes_.size() - kChecksumBytes], 0); }
 uint32_t ChunkView::policy_version(int frame) const { return Load<uint32_t>(policy_versions_, frame); }
 Action ChunkView::action(int frame) const { return Load<Action>(actions_, frame); }
 float ChunkView::reward(int frame) const { return Load<float>(rewards_, frame); }

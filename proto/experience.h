@@ -80,6 +80,9 @@ class FrameCodec {
   std::unique_ptr<Impl> impl_;
 };
 
+// How a payload's floats are coded; for payloads that Decode accepts.
+FloatCoding CodingOf(std::span<const std::byte> payload);
+
 // Collects consecutive frames of one episode and serialises them. Not thread safe.
 class ChunkBuilder {
  public:
@@ -139,6 +142,8 @@ class ChunkView {
   uint32_t offset(int frame) const;
   size_t payload_bytes() const { return payload_bytes_; }
   std::span<const std::byte> bytes() const { return bytes_; }
+  // Of everything before it; tells the chunk from every other.
+  uint64_t checksum() const;
 
  private:
   Status CheckFrames() const;

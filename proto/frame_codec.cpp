@@ -19,6 +19,10 @@ constexpr std::byte Tag(FloatCoding coding) {
 
 }  // namespace
 
+FloatCoding CodingOf(std::span<const std::byte> payload) {
+  return payload.front() == Tag(FloatCoding::kFloat32) ? FloatCoding::kFloat32 : FloatCoding::kFloat16;
+}
+
 struct FrameCodec::Impl {
   Impl(const ObservationSpec& spec, FloatCoding coding)
       : vehicles{spec.vehicles, spec.history, ObservationSpec::kVehicleFeatures},
@@ -65,8 +69,7 @@ Status FrameCodec::Decode(std::span<const std::byte> payload, std::span<float> v
     return Fail(ErrorCode::kCorrupt, "frame payload starts with {:#04x}: another version",
                 static_cast<int>(tag));
   }
-  const FloatCoding floats =
-      tag == Tag(FloatCoding::kFloat32) ? FloatCoding::kFloat32 : FloatCoding::kFloat16;
+  const FloatCoding floats = CodingOf(payload);
   BitReader bits(payload.subspan(1));
   if (!DecodeHistories(bits, impl_->vehicles, floats, vehicles) ||
       !DecodeHistories(bits, impl_->ego, floats, ego)) {

@@ -46,6 +46,16 @@ inline const dds::TopicSpec kPriorityTopic{.name = "dadrl/priorities",
                                            .plane = dds::Plane::kControl,
                                            .reader_max_samples = 64,
                                            .max_blocking_ms = 50};
+// What a user's command asks of a shard. Rare and small; repeated until it is answered.
+enum class ReplayCommandKind : uint32_t { kLimit = 0, kSnapshot = 1 };
+inline const dds::TopicSpec kReplayCommandTopic{.name = "dadrl/replay_command",
+                                                .type = &dadrl_idl_ReplayCommand_desc,
+                                                .plane = dds::Plane::kControl,
+                                                .reader_max_samples = 16};
+inline const dds::TopicSpec kReplayAnswerTopic{.name = "dadrl/replay_answer",
+                                               .type = &dadrl_idl_ReplayAnswer_desc,
+                                               .plane = dds::Plane::kControl,
+                                               .reader_max_samples = 64};
 // Only the newest policy matters; a late actor gets it at once. KEEP_LAST never blocks the learner.
 inline const dds::TopicSpec kWeightsTopic{.name = "dadrl/weights",
                                           .type = &dadrl_idl_Weights_desc,

@@ -8,11 +8,12 @@
 #include <utility>
 
 #include "common/util/prefetch.h"
+#include "replay/stored_chunk.h"
 
 namespace dadrl {
 namespace {
 
-constexpr uint32_t kNoSlot = std::numeric_limits<uint32_t>::max();
+constexpr uint32_t kMaxTimesSampled = (1u << 24) - 1;
 // A key is segment id, chunk within it, frame within that: unique for ever, found without a map.
 constexpr int kFrameBits = 6;
 constexpr int kChunkBits = 26;
@@ -20,23 +21,10 @@ static_assert(kMaxChunkFrames <= 1 << kFrameBits);
 
 }  // namespace
 
-struct ChunkIndex::StoredChunk {
-  ChunkView view;
-  StoredSegment* segment = nullptr;
-  uint32_t number = 0;          // within the segment
-  uint32_t actions = 0;         // frames with one
-  uint32_t oldest_version = 0;  // of the policies that acted in it
-  StoredChunk* next = nullptr;  // of the same episode; never older, so it is not dropped before this one
-  std::vector<uint32_t> slots;  // by frame; kNoSlot: no item
-};
-
-struct ChunkIndex::StoredSegment {
-  std::shared_ptr<const Segment> segment;
-  std::deque<StoredChunk> chunks;
-};
-
 ChunkIndex::ChunkIndex(const Options& options)
-    : options_(options), selector_(MakeSelector(options.sampler, options.priority_exponent)) {}
+    : options_(options), selector_(MakeSelector(options.sampler, options.priority_exponent)) {
+  if (options.max_items > 0) remover_ = MakeSelector(options.remover, options.priority_exponent);
+}
 ChunkIndex::~ChunkIndex() = default;
 
 uint64_t ChunkIndex::KeyOf(const StoredChunk& chunk, int frame) {
@@ -54,7 +42,9 @@ void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkV
   stored.view = chunk;
   stored.segment = &home;
   stored.number = static_cast<uint32_t>(home.chunks.size() - 1);
-  stored.slots.assign(static_cast<size_t>(chunk.frames()), kNoSlot);
+  stored.offset = segment->OffsetOf(chunk.bytes());
+  stored.checksum = chunk.checksum();
+  stored.slots.assign(static_cast<size_t>(chunk.frames()), StoredChunk::kNoItem);
   ++chunk_count_;
   AddFrames(stored, Continue(stored));
 }
@@ -92,7 +82,7 @@ void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
     chunk.oldest_version = std::min(chunk.oldest_version, chunk.view.policy_version(frame));
     // This frame is the observation that slices which end here bootstrap from.
     if (episode.pending.size() == n_step) Release(episode, 1);
-    episode.pending.push_back({&chunk, 0, static_cast<uint8_t>(frame)});
+    episode.pending.push_back({.chunk = &chunk, .frame = static_cast<uint8_t>(frame)});
     if ((flags & kTerminated) != 0) Release(episode, episode.pending.size());
   }
   frames_ += chunk.actions;
@@ -109,7 +99,12 @@ void ChunkIndex::Release(OpenEpisode& episode, size_t count) {
 }
 
 void ChunkIndex::MakeItem(const Item& item) {
-  if (TooStale(item.chunk->view.policy_version(item.frame))) return;
+  const uint32_t frame = item.chunk->view.header().first_frame + item.frame;
+  if (frame % static_cast<uint32_t>(options_.stride) != 0) return;
+  if (TooStale(item.chunk->view.policy_version(item.frame))) {
+    item.chunk->slots[item.frame] = StoredChunk::kRemoved;
+    return;
+  }
   uint32_t slot = static_cast<uint32_t>(items_.size());
   if (free_slots_.empty()) {
     items_.push_back(item);
@@ -118,17 +113,20 @@ void ChunkIndex::MakeItem(const Item& item) {
     free_slots_.pop_back();
     items_[slot] = item;
   }
+  items_[slot].priority = static_cast<float>(max_priority_);
   item.chunk->slots[item.frame] = slot;
   selector_->Insert(slot, max_priority_);
+  if (remover_) remover_->Insert(slot, max_priority_);
   draws_left_ += static_cast<uint64_t>(options_.max_times_sampled);
 }
 
 void ChunkIndex::RemoveItem(uint32_t slot) {
   Item& item = items_[slot];
   selector_->Delete(slot);
+  if (remover_) remover_->Delete(slot);
   draws_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
                  (options_.max_times_sampled > 0 ? item.times_sampled : 0);
-  item.chunk->slots[item.frame] = kNoSlot;
+  item.chunk->slots[item.frame] = StoredChunk::kRemoved;
   item = {};
   free_slots_.push_back(slot);
 }
@@ -147,7 +145,7 @@ void ChunkIndex::DropOldest() {
   }
   for (StoredChunk& chunk : oldest.chunks) {
     for (const uint32_t slot : chunk.slots) {
-      if (slot != kNoSlot) RemoveItem(slot);
+      if (StoredChunk::IsItem(slot)) RemoveItem(slot);
     }
     frames_ -= chunk.actions;
   }
@@ -177,7 +175,7 @@ DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
     out.probability = static_cast<float>(draw.probability);
     chunks.push_back(item.chunk);
     Prefetch(item.chunk, sizeof(StoredChunk));
-    ++item.times_sampled;
+    if (item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
     if (limit == 0) continue;
     --draws_left_;
     if (item.times_sampled >= limit) RemoveItem(draw.slot);
@@ -230,9 +228,19 @@ void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
   if (!std::isfinite(priority) || priority < 0.0) return;
   StoredChunk* chunk = Find(key);
   const auto frame = static_cast<size_t>(key & ((uint64_t{1} << kFrameBits) - 1));
-  if (chunk == nullptr || frame >= chunk->slots.size() || chunk->slots[frame] == kNoSlot) return;
+  if (chunk == nullptr || frame >= chunk->slots.size() || !StoredChunk::IsItem(chunk->slots[frame])) return;
   max_priority_ = std::max(max_priority_, priority);
-  selector_->Update(chunk->slots[frame], priority);
+  SetPriority(chunk->slots[frame], priority);
+}
+
+void ChunkIndex::SetPriority(uint32_t slot, double priority) {
+  items_[slot].priority = static_cast<float>(priority);
+  selector_->Update(slot, priority);
+  if (remover_) remover_->Update(slot, priority);
+}
+
+void ChunkIndex::RemoveSurplus(Random& random) {
+  while (remover_ && items() > options_.max_items) RemoveItem(remover_->Sample(random).slot);
 }
 
 bool ChunkIndex::TooStale(uint32_t policy_version) const {
@@ -258,27 +266,19 @@ void ChunkIndex::RemoveStale(StoredChunk& chunk) {
     const uint32_t slot = chunk.slots[static_cast<size_t>(frame)];
     if (!TooStale(version)) {
       oldest_left = std::min(oldest_left, version);
-    } else if (slot != kNoSlot) {
+    } else if (StoredChunk::IsItem(slot)) {
       RemoveItem(slot);
     }
   }
   chunk.oldest_version = oldest_left;
 }
 
-uint64_t ChunkIndex::FramesAfter(uint64_t segment) const {
-  uint64_t frames = 0;
-  for (const auto& stored : segments_) {
-    if (stored->segment->id() <= segment) continue;
-    for (const StoredChunk& chunk : stored->chunks) frames += chunk.actions;
-  }
-  return frames;
-}
-
 size_t ChunkIndex::memory_bytes() const {
   constexpr size_t kHeapOverhead = 16;  // of one allocation
   const size_t chunks = chunk_count_ * (sizeof(StoredChunk) + kHeapOverhead);
   const size_t slots = frames_ * sizeof(uint32_t);
-  const size_t item = sizeof(Item) + sizeof(uint32_t) + selector_->bytes_per_item();
+  const size_t item = sizeof(Item) + sizeof(uint32_t) + selector_->bytes_per_item() +
+                      (remover_ ? remover_->bytes_per_item() : 0);
   return chunks + slots + items() * item;
 }
 

@@ -11,6 +11,7 @@
 #include "common/config/config.h"
 #include "common/util/random.h"
 #include "proto/experience.h"
+#include "replay/item_states.h"
 #include "replay/sampling/selector.h"
 #include "replay/slice.h"
 #include "replay/storage/segment.h"
@@ -18,17 +19,21 @@
 namespace dadrl {
 
 // An item is a frame with an action whose n-step slice is complete: n frames of its episode follow, or the
-// episode's end. The last items of an episode that breaks off (its actor died, a chunk was lost) never become
-// items. Not thread safe; reads chunks' columns, never payloads.
+// episode's end. The last frames of an episode that breaks off (its actor died, a chunk was lost) never
+// become items. With a stride above 1 only every stride-th frame of an episode does: overlapping sequences.
+// Not thread safe; reads chunks' columns, never payloads.
 class ChunkIndex {
  public:
   struct Options {
-    int n_step = 1;
+    int n_step = 1;  // of the longest slice
+    int stride = 1;
     SamplerKind sampler = SamplerKind::kUniform;
     double priority_exponent = 0.6;
     double importance_exponent = 0.4;
     int max_times_sampled = 0;  // 0: no limit
     int max_staleness = 0;      // policy versions behind the newest; 0: no limit
+    size_t max_items = 0;       // 0: no limit
+    SamplerKind remover = SamplerKind::kOldestFirst;
   };
 
   explicit ChunkIndex(const Options& options);
@@ -47,13 +52,22 @@ class ChunkIndex {
   // Needs CanDraw(count) and n_step of at most the option's.
   DrawnItems Draw(size_t count, int n_step, Random& random);
 
+  // Lets items beyond max_items leave, as the remover chooses: they are not drawn any more.
+  void RemoveSurplus(Random& random);
+
+  // What a restart must know beyond the chunks. O(items), in memory alone.
+  ItemStates States() const;
+  // After all chunks were added. Chunks that the states do not know, or that are gone, are left alone.
+  void Restore(const ItemStates& states);
+
   // Unknown or dropped keys and priorities that are not finite or negative are ignored.
   void UpdatePriority(uint64_t key, double priority);
   // Drops the items that are too stale by now, if there is a limit.
   void SetNewestVersion(uint32_t version);
 
-  uint64_t frames() const { return frames_; }    // with an action
-  uint64_t FramesAfter(uint64_t segment) const;  // of them, in segments with a higher id
+  uint64_t frames() const { return frames_; }  // with an action
+  // Of them, those behind `position`.
+  uint64_t FramesBehind(LogPosition position) const;
   uint64_t chunks() const { return chunk_count_; }
   // Of what is held now (the vectors behind it keep their largest size).
   size_t memory_bytes() const;
@@ -63,9 +77,11 @@ class ChunkIndex {
   struct StoredSegment;
   struct Item {
     StoredChunk* chunk = nullptr;
-    uint32_t times_sampled = 0;
-    uint8_t frame = 0;
+    float priority = 0.0f;
+    uint32_t frame : 8 = 0;
+    uint32_t times_sampled : 24 = 0;
   };
+  static_assert(sizeof(Item) == 16);
   // The episode an actor is in: what its next chunk may continue.
   struct OpenEpisode {
     uint64_t incarnation = 0;
@@ -82,6 +98,10 @@ class ChunkIndex {
   void Release(OpenEpisode& episode, size_t count);
   void MakeItem(const Item& item);
   void RemoveItem(uint32_t slot);
+  void SetPriority(uint32_t slot, double priority);
+  void SetAllPriorities(double priority);
+  void RestoreItem(StoredChunk& chunk, size_t frame, float priority, uint32_t times_sampled);
+  bool ItemsDiffer() const;
   void RemoveStale(StoredChunk& chunk);
   bool TooStale(uint32_t policy_version) const;
   void DropOldest();
@@ -91,6 +111,7 @@ class ChunkIndex {
 
   const Options options_;
   std::unique_ptr<Selector> selector_;
+  std::unique_ptr<Selector> remover_;  // only with max_items
   std::deque<std::unique_ptr<StoredSegment>> segments_;
   std::vector<Item> items_;  // by slot
   std::vector<uint32_t> free_slots_;

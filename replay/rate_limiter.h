@@ -27,6 +27,7 @@ class RateLimiter {
     double max_samples_per_insert = 0.0;
     double min_samples_per_insert = 0.0;
     double band = 1000.0;  // frames
+    bool operator==(const Options&) const = default;
   };
   // Why sampling has to wait.
   enum class Hold { kNone, kMinimumSize, kSamplesPerInsert };
@@ -63,6 +64,7 @@ class RateLimiter {
   void OnInsert(int64_t frames);
   void OnSample(int64_t count);
 
+  const Options& options() const { return options_; }
   const State& state() const { return state_; }
   void Restore(const State& state);
   // The running waits included.

@@ -54,6 +54,34 @@ bool Assemble(Cursor at, int n_step, SampledItem& item, std::vector<float>& rewa
   return next.has_value();
 }
 
+// Fills `sequence` with up to `length` steps and the frames around them. False when the stored bytes make
+// none.
+bool AssembleSequence(Cursor at, int length, SampledSequence& sequence) {
+  for (int step = 0; step < length; ++step) {
+    const auto frame = Payload(at);
+    const uint8_t flags = at.chunk().flags(at.frame);
+    if (!frame || (flags & kHasAction) == 0) return false;
+    sequence.frames.push_back(*frame);
+    sequence.steps.push_back(
+        {at.chunk().policy_version(at.frame), at.chunk().action(at.frame), at.chunk().reward(at.frame)});
+    sequence.terminated = (flags & kTerminated) != 0;
+    sequence.truncated = (flags & kTruncated) != 0;
+    if (sequence.terminated) return true;
+    if (!at.Advance()) return false;
+    const bool final_frame = (at.chunk().flags(at.frame) & kHasAction) == 0;
+    if (final_frame != sequence.truncated) return false;
+    if (final_frame) break;
+  }
+  const auto behind = Payload(at);
+  if (behind) sequence.frames.push_back(*behind);
+  return behind.has_value();
+}
+
+tl::unexpected<Error> Changed(uint64_t key) {
+  return Fail(ErrorCode::kCorrupt, "stored frame {:#x} has changed since it was checked: the disk is failing",
+              key);
+}
+
 }  // namespace
 
 Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
@@ -74,12 +102,27 @@ Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
     const size_t first_reward = batch.rewards.size();
     const Cursor start{chunks.subspan(from.first_chunk, from.chunk_count), from.frame};
     if (!Assemble(start, n_step, item, batch.rewards)) {
-      return Fail(ErrorCode::kCorrupt,
-                  "stored frame {:#x} has changed since it was checked: the disk is failing", from.key);
+      return Changed(from.key);
     }
     item.rewards = std::span(batch.rewards).subspan(first_reward);
     Prefetch(item.first.data(), item.first.size());
     Prefetch(item.next.data(), item.next.size());
+  }
+  return batch;
+}
+
+Result<SampledSequences> AssembleSequences(DrawnItems drawn, int length) {
+  SampledSequences batch;
+  batch.segments = std::move(drawn.segments);
+  batch.sequences.reserve(drawn.items.size());
+  const std::span<const ChunkView> chunks(drawn.chunks);
+  for (const DrawnItems::Item& from : drawn.items) {
+    SampledSequence& sequence = batch.sequences.emplace_back();
+    sequence.key = from.key;
+    sequence.probability = from.probability;
+    sequence.importance_weight = from.importance_weight;
+    const Cursor start{chunks.subspan(from.first_chunk, from.chunk_count), from.frame};
+    if (!AssembleSequence(start, length, sequence)) return Changed(from.key);
   }
   return batch;
 }

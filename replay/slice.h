@@ -10,6 +10,7 @@
 #include "common/util/result.h"
 #include "proto/experience.h"
 #include "proto/sample_batch.h"
+#include "proto/sequence_batch.h"
 #include "replay/storage/segment.h"
 
 namespace dadrl {
@@ -40,5 +41,12 @@ struct SampledBatch {
 // Reads rewards, ends and payloads of `n_step` steps from each item on. kCorrupt: the stored bytes changed
 // since they were checked (a failing disk); nothing is read outside them.
 Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step);
+
+// The same for sequences of up to `length` decisions, which end with their episode.
+struct SampledSequences {
+  std::vector<SampledSequence> sequences;
+  std::vector<std::shared_ptr<const Segment>> segments;
+};
+Result<SampledSequences> AssembleSequences(DrawnItems drawn, int length);
 
 }  // namespace dadrl

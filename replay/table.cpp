@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "common/util/log.h"
-#include "replay/storage/state_file.h"
 
 namespace dadrl {
 namespace {
@@ -12,17 +11,17 @@ namespace {
 // Dropping the oldest segment must not drop most of what is there.
 constexpr int64_t kLeastSegments = 4;
 
-uint64_t SegmentBytes(const ReplayConfig& replay) {
-  return static_cast<uint64_t>(std::min(replay.segment_bytes, replay.max_disk_bytes / kLeastSegments));
-}
-
 ChunkIndex::Options IndexOptions(const TableOptions& options) {
-  return {.n_step = options.n_step,
+  const ReplayConfig& replay = options.replay;
+  return {.n_step = std::max(options.n_step, replay.sequence_length),
+          .stride = replay.sequence_length > 0 ? replay.sequence_period : 1,
           .sampler = options.replay.sampler,
           .priority_exponent = options.replay.priority_exponent,
           .importance_exponent = options.replay.importance_exponent,
           .max_times_sampled = options.replay.max_times_sampled,
-          .max_staleness = options.replay.max_staleness};
+          .max_staleness = options.replay.max_staleness,
+          .max_items = static_cast<size_t>(options.replay.max_items),
+          .remover = options.replay.remover};
 }
 
 uint64_t Actions(const ChunkView& chunk) {
@@ -33,15 +32,22 @@ uint64_t Actions(const ChunkView& chunk) {
 
 }  // namespace
 
+uint64_t SegmentBytes(const ReplayConfig& replay) {
+  return static_cast<uint64_t>(std::min(replay.segment_bytes, replay.max_disk_bytes / kLeastSegments));
+}
+
 RateLimiter::Options LimiterOptions(const ReplayConfig& replay) {
-  return {.min_size = replay.min_size,
+  // Actors are spread evenly, so each shard has its part of it.
+  const int64_t min_size = (replay.min_size + replay.shards - 1) / replay.shards;
+  return {.min_size = min_size,
           .max_samples_per_insert = replay.samples_per_insert,
           .min_samples_per_insert = replay.min_samples_per_insert,
-          .band = std::max(1.0, replay.samples_per_insert_band * static_cast<double>(replay.min_size))};
+          .band = std::max(1.0, replay.samples_per_insert_band * static_cast<double>(min_size))};
 }
 
 ReplayTable::ReplayTable(TableOptions options, const Clock& clock)
     : options_(std::move(options)),
+      clock_(clock),
       index_(IndexOptions(options_)),
       limiter_(LimiterOptions(options_.replay), clock),
       random_(options_.seed) {}
@@ -50,80 +56,6 @@ Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, con
   std::unique_ptr<ReplayTable> table(new ReplayTable(std::move(options), clock));
   DADRL_RETURN_IF_ERROR(table->Recover());
   return table;
-}
-
-std::filesystem::path ReplayTable::StatePath() const { return options_.directory / "state"; }
-
-Status ReplayTable::Recover() {
-  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay)};
-  SegmentLog::Recovery recovery;
-  DADRL_ASSIGN_OR_RETURN(log_, SegmentLog::Open(
-                                   log_options,
-                                   [this](const auto& segment, std::span<const std::byte> record) {
-                                     return RecoverRecord(segment, record);
-                                   },
-                                   recovery));
-  if (options_.directory.empty()) return {};
-  DADRL_RETURN_IF_ERROR(RestoreState());
-  while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
-    DropOldestSegment();
-  }
-  BoundIndex();
-  const Stats now = stats();
-  if (recovery.records > 0 || recovery.dropped_bytes > 0) {
-    spdlog::info("recovered {} frames in {} chunks and {} segments; dropped {} damaged or torn bytes",
-                 now.frames_held, now.chunks_held, recovery.segments, recovery.dropped_bytes);
-  }
-  return {};
-}
-
-bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
-                                std::span<const std::byte> record) {
-  const Result<ChunkView> chunk = ChunkView::Parse(record);
-  if (!chunk || chunk->header().schema != options_.schema) return false;
-  // A gap is a record that was damaged; what follows it is as good as ever.
-  const ChunkIdentity& identity = chunk->header().identity;
-  if (sequences_.Check(identity, identity.sequence) != SequenceTable::Verdict::kNext) return false;
-  sequences_.Accept(identity);
-  last_segment_ = segment->id();
-  MutexLock lock(mutex_);
-  index_.Add(segment, *chunk);
-  return true;
-}
-
-// The state file knows what dropped segments held, up to the segment it names; the records know the rest.
-Status ReplayTable::RestoreState() {
-  Result<ReplayState> state = ReadReplayState(StatePath());
-  if (!state && state.error().code == ErrorCode::kCorrupt) {
-    spdlog::warn("{}: counters start anew; stored experience is not affected", state.error().message);
-  } else if (!state && state.error().code != ErrorCode::kNotFound) {
-    return tl::unexpected(std::move(state.error()));
-  }
-  if (state && state->schema != options_.schema) state = Fail(ErrorCode::kNotFound, "of another schema");
-  MutexLock lock(mutex_);
-  RateLimiter::State limiter;
-  uint64_t counted_segment = 0;
-  if (state) {
-    sequences_.Merge(state->sequences);
-    limiter = state->limiter;
-    counted_segment = state->up_to_segment;
-  }
-  limiter_.Restore(limiter);
-  limiter_.OnInsert(static_cast<int64_t>(index_.FramesAfter(counted_segment)));
-  last_segment_ = std::max(last_segment_, counted_segment);
-  log_->ReserveIds(counted_segment);
-  return {};
-}
-
-Status ReplayTable::SaveState() {
-  if (options_.directory.empty()) return {};
-  ReplayState state{
-      .schema = options_.schema, .up_to_segment = last_segment_, .limiter = {}, .sequences = sequences_};
-  {
-    MutexLock lock(mutex_);
-    state.limiter = limiter_.state();
-  }
-  return WriteReplayState(StatePath(), state);
 }
 
 Result<ChunkView> ReplayTable::Parse(std::span<const std::byte> bytes) const {
@@ -149,6 +81,7 @@ Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> by
   const Result<ChunkView> chunk = Parse(bytes);
   if (!chunk) return Refuse(chunk.error());
   const ChunkIdentity identity = chunk->header().identity;
+  MutexLock inserting(insert_mutex_);
   switch (sequences_.Check(identity, std::min(oldest_kept, identity.sequence))) {
     case SequenceTable::Verdict::kNext:
       break;
@@ -183,11 +116,12 @@ Status ReplayTable::Store(ChunkView chunk) {
   DADRL_RETURN_IF_ERROR(EnsureSegment(length));
   DADRL_ASSIGN_OR_RETURN(const SegmentLog::Stored stored, log_->Append(chunk.bytes()));
   chunk.Rebase(stored.bytes);
-  last_segment_ = stored.segment->id();
+  end_ = {stored.segment->id(), stored.segment->bytes()};
   const uint64_t skipped = sequences_.Accept(chunk.header().identity);
   {
     MutexLock lock(mutex_);
     index_.Add(stored.segment, chunk);
+    index_.RemoveSurplus(random_);
     limiter_.OnInsert(static_cast<int64_t>(Actions(chunk)));
     counters_.inserted_bytes += length;
     counters_.lost_chunks += skipped;
@@ -198,6 +132,15 @@ Status ReplayTable::Store(ChunkView chunk) {
 
 Status ReplayTable::EnsureSegment(size_t length) {
   if (!log_->NeedsSegment(length)) return {};
+  const TimePoint begin = clock_.Now();
+  Status rolled = RollSegment(length);
+  MutexLock lock(mutex_);
+  ++counters_.for_disk.count;
+  counters_.for_disk.seconds += ToSeconds(clock_.Now() - begin);
+  return rolled;
+}
+
+Status ReplayTable::RollSegment(size_t length) {
   const uint64_t next = log_->NextSegmentBytes(length);
   const auto max_disk = static_cast<uint64_t>(options_.replay.max_disk_bytes);
   if (next > max_disk) {
@@ -207,7 +150,7 @@ Status ReplayTable::EnsureSegment(size_t length) {
   const bool sync = options_.replay.sync != SyncMode::kNone;
   DADRL_RETURN_IF_ERROR(log_->CloseSegment(sync));
   // Before anything is dropped: afterwards only this file knows what was stored.
-  DADRL_RETURN_IF_ERROR(SaveState());
+  DADRL_RETURN_IF_ERROR(WriteState(TakeCapture()));
   while (log_->segments() > 0 && log_->bytes() + next > max_disk) DropOldestSegment();
   return log_->StartSegment(length, sync);
 }
@@ -230,10 +173,11 @@ void ReplayTable::BoundIndex() {
   }
 }
 
-RateLimiter::Hold ReplayTable::MaySample(size_t count) {
+RateLimiter::Hold ReplayTable::MaySample(size_t count, int sequence_length) {
   MutexLock lock(mutex_);
   const size_t size = index_.CanDraw(count) ? index_.items() : 0;
-  return limiter_.MaySample(static_cast<int64_t>(count), static_cast<int64_t>(size));
+  const auto samples = static_cast<int64_t>(count) * std::max(sequence_length, 1);
+  return limiter_.MaySample(samples, static_cast<int64_t>(size));
 }
 
 Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t policy_version) {
@@ -242,19 +186,32 @@ Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t poli
                 "asked for slices of {} steps, this replay was started with algorithm.n_step {}", n_step,
                 options_.n_step);
   }
-  DrawnItems drawn;
-  {
-    MutexLock lock(mutex_);
-    index_.SetNewestVersion(policy_version);
-    const size_t size = index_.CanDraw(count) ? index_.items() : 0;
-    if (limiter_.MaySample(static_cast<int64_t>(count), static_cast<int64_t>(size)) !=
-        RateLimiter::Hold::kNone) {
-      return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", count, size);
-    }
-    drawn = index_.Draw(count, n_step, random_);
-    limiter_.OnSample(static_cast<int64_t>(count));
-  }
+  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn, Draw(count, n_step, count, policy_version));
   return AssembleBatch(std::move(drawn), n_step);
+}
+
+Result<SampledSequences> ReplayTable::SampleSequences(size_t count, int length, uint32_t policy_version) {
+  if (length < 1 || length > sequence_length()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "asked for sequences of {} decisions, this replay was started with replay.sequence_length {}",
+                length, sequence_length());
+  }
+  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn,
+                         Draw(count, length, count * static_cast<size_t>(length), policy_version));
+  return AssembleSequences(std::move(drawn), length);
+}
+
+Result<DrawnItems> ReplayTable::Draw(size_t count, int n_step, size_t samples, uint32_t policy_version) {
+  MutexLock lock(mutex_);
+  index_.SetNewestVersion(policy_version);
+  const size_t size = index_.CanDraw(count) ? index_.items() : 0;
+  if (limiter_.MaySample(static_cast<int64_t>(samples), static_cast<int64_t>(size)) !=
+      RateLimiter::Hold::kNone) {
+    return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples, size);
+  }
+  DrawnItems drawn = index_.Draw(count, n_step, random_);
+  limiter_.OnSample(static_cast<int64_t>(samples));
+  return drawn;
 }
 
 void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities) {
@@ -272,6 +229,26 @@ bool ReplayTable::MayInsert() {
 void ReplayTable::Reconfigure(const RateLimiter::Options& options) {
   MutexLock lock(mutex_);
   limiter_.Reconfigure(options);
+}
+
+RateLimiter::Options ReplayTable::limiter_options() const {
+  MutexLock lock(mutex_);
+  return limiter_.options();
+}
+
+std::vector<SequenceTable::Stream> ReplayTable::Streams() const {
+  MutexLock lock(insert_mutex_);
+  return sequences_.Newest();
+}
+
+std::optional<SequenceTable::Stream> ReplayTable::StreamOf(uint32_t actor) const {
+  MutexLock lock(insert_mutex_);
+  return sequences_.Newest(actor);
+}
+
+std::optional<uint64_t> ReplayTable::Stored(uint32_t actor, uint64_t incarnation) const {
+  MutexLock lock(insert_mutex_);
+  return sequences_.Stored(actor, incarnation);
 }
 
 void ReplayTable::TrimMemory() const {

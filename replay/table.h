@@ -28,6 +28,8 @@
 #include "replay/sequence_table.h"
 #include "replay/slice.h"
 #include "replay/storage/segment_log.h"
+#include "replay/storage/snapshot.h"
+#include "replay/storage/state_file.h"
 
 namespace dadrl {
 
@@ -42,10 +44,13 @@ struct TableOptions {
   std::function<Status(const ChunkView&)> verify = nullptr;
 };
 
-// RateLimiter::Options of a configuration: the band in frames.
+// RateLimiter::Options of one shard of a configuration: the band in frames.
 RateLimiter::Options LimiterOptions(const ReplayConfig& replay);
 
-// Insert, Streams, SaveState: one thread. Everything else: any thread.
+// Of one segment file, so that dropping the oldest never drops most of what is there.
+uint64_t SegmentBytes(const ReplayConfig& replay);
+
+// Any thread may call anything. Inserts exclude each other, and saving for the moment in which it looks.
 class ReplayTable {
  public:
   struct Stats {
@@ -62,6 +67,7 @@ class ReplayTable {
     uint64_t index_bytes = 0;
     uint64_t disk_bytes = 0;
     RateLimiter::Waits waits;
+    RateLimiter::Wait for_disk;  // inserts that had to begin a segment
   };
   enum class Insertion {
     kStored,
@@ -78,26 +84,34 @@ class ReplayTable {
   // get); nothing was stored, the same chunk may be offered again. Blocks on the disk when a segment is full.
   Result<Insertion> Insert(std::span<const std::byte> chunk, uint64_t oldest_kept = 0);
   // The newest incarnation of each actor, with its highest stored sequence.
-  std::vector<SequenceTable::Stream> Streams() const { return sequences_.Newest(); }
-  std::optional<SequenceTable::Stream> StreamOf(uint32_t actor) const { return sequences_.Newest(actor); }
-  std::optional<uint64_t> Stored(uint32_t actor, uint64_t incarnation) const {
-    return sequences_.Stored(actor, incarnation);
-  }
-  // Writes the state file, so that a clean restart restores all counters. Blocks on the disk.
+  std::vector<SequenceTable::Stream> Streams() const;
+  std::optional<SequenceTable::Stream> StreamOf(uint32_t actor) const;
+  std::optional<uint64_t> Stored(uint32_t actor, uint64_t incarnation) const;
+
+  // Writes the state file: what a restart finds of counters, limiter and priorities. Blocks on the disk,
+  // inserts and draws only for a copy in memory.
   Status SaveState();
+  // The table as it is at one moment, complete in `directory` (storage/snapshot.h). Blocks as SaveState does.
+  // kInvalidArgument: the folder exists, or the table is in memory only.
+  Result<SnapshotReport> Snapshot(const std::filesystem::path& directory);
 
   // Whether a batch may be sampled now, and if not, why: ask again after inserts. Counts the wait.
-  RateLimiter::Hold MaySample(size_t count);
+  // `sequence_length`: of the sequences that are asked for; 0 for slices.
+  RateLimiter::Hold MaySample(size_t count, int sequence_length = 0);
   // Draws `count` slices of `n_step` (at most TableOptions::n_step). `policy_version` is the newest, for the
   // staleness limit; 0 when unknown. kUnavailable: MaySample would not allow it, or what was there went
   // stale. The lock is held only for the draw, so that inserts go on while a batch is read.
   Result<SampledBatch> Sample(size_t count, int n_step, uint32_t policy_version);
+  // The same for sequences of up to `length` decisions (at most replay.sequence_length); each counts as
+  // `length` samples.
+  Result<SampledSequences> SampleSequences(size_t count, int length, uint32_t policy_version);
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
 
   // Whether actors may send more. Counts the wait.
   bool MayInsert();
-  // Other bounds for the limiter, from now on.
+  // Other bounds for the limiter, from now on; over restarts too, until the configuration changes.
   void Reconfigure(const RateLimiter::Options& options);
+  RateLimiter::Options limiter_options() const;
 
   // Forces what is stored to the device. Blocks on the disk.
   Status Sync() const { return log_->Sync(); }
@@ -107,33 +121,56 @@ class ReplayTable {
   Stats stats() const;
   uint64_t schema() const { return options_.schema; }
   int n_step() const { return options_.n_step; }
+  int sequence_length() const { return options_.replay.sequence_length; }
 
  private:
+  // Everything that is not in the segments, at one moment, and what segments there are.
+  struct Capture {
+    uint64_t number = 0;
+    ReplayState state;
+    std::vector<SegmentLog::Extent> extents;
+  };
+
   ReplayTable(TableOptions options, const Clock& clock);
   Status Recover();
   // True when the record is a chunk of ours, and now in the index.
   bool RecoverRecord(const std::shared_ptr<const Segment>& segment, std::span<const std::byte> record);
   Status RestoreState();
+  void RestoreLimiter(const ReplayState& state) DADRL_REQUIRES(mutex_);
+  Capture TakeCapture() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Status WriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
+
+  // Draws `count` items whose slices have `n_step` steps, and counts `samples` of them.
+  Result<DrawnItems> Draw(size_t count, int n_step, size_t samples, uint32_t policy_version)
+      DADRL_EXCLUDES(mutex_);
   Result<ChunkView> Parse(std::span<const std::byte> bytes) const;
   Insertion Refuse(const Error& reason) DADRL_EXCLUDES(mutex_);
-  Status Store(ChunkView chunk) DADRL_EXCLUDES(mutex_);
-  Status EnsureSegment(size_t length);
-  void DropOldestSegment() DADRL_EXCLUDES(mutex_);
-  void BoundIndex() DADRL_EXCLUDES(mutex_);
-  std::filesystem::path StatePath() const;
+  Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Status RollSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  void DropOldestSegment() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  void BoundIndex() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  std::filesystem::path StatePath() const { return options_.directory / "state"; }
 
   const TableOptions options_;
+  const Clock& clock_;
   std::unique_ptr<SegmentLog> log_;
 
-  // The inserting thread's.
-  SequenceTable sequences_;
-  uint64_t last_segment_ = 0;  // of the last chunk stored
+  // Taken in this order.
+  mutable Mutex insert_mutex_;
+  SequenceTable sequences_ DADRL_GUARDED_BY(insert_mutex_);
+  LogPosition end_ DADRL_GUARDED_BY(insert_mutex_);  // behind the last chunk stored
+  uint64_t captures_ DADRL_GUARDED_BY(insert_mutex_) = 0;
 
   mutable Mutex mutex_;
   ChunkIndex index_ DADRL_GUARDED_BY(mutex_);
   RateLimiter limiter_ DADRL_GUARDED_BY(mutex_);
   Random random_ DADRL_GUARDED_BY(mutex_);
   Stats counters_ DADRL_GUARDED_BY(mutex_);  // only what the parts do not know themselves
+
+  // Of the writes to the state file: an older capture never replaces a newer one.
+  Mutex state_mutex_;
+  uint64_t written_ DADRL_GUARDED_BY(state_mutex_) = 0;
 };
 
 }  // namespace dadrl

@@ -11,7 +11,15 @@ namespace dadrl {
 enum class TrafficProfile { kCalibrated, kPlain };
 enum class EncoderSharing { kSeparate, kShared };
 enum class PublishedPolicy { kAveraged, kCurrent };
-enum class SamplerKind { kUniform, kPrioritized, kNewestFirst, kOldestFirst };
+// How the replay chooses an item, to be drawn or to leave.
+enum class SamplerKind {
+  kUniform,
+  kPrioritized,
+  kNewestFirst,
+  kOldestFirst,
+  kHighestPriority,
+  kLowestPriority
+};
 enum class SyncMode { kNone, kInterval, kAlways };
 enum class VerifyFrames { kNone, kSome, kAll };
 enum class FloatCoding { kFloat32, kFloat16 };
@@ -86,9 +94,25 @@ struct ReplayConfig {
   SamplerKind sampler = SamplerKind::kUniform;
   double priority_exponent = 0.6;
   double importance_exponent = 0.4;
-  int max_times_sampled = 0;  // 0: no limit
-  int max_staleness = 0;      // policy versions; 0: no limit
+  int max_times_sampled = 0;                        // 0: no limit
+  int max_staleness = 0;                            // policy versions; 0: no limit
+  int sequence_length = 0;                          // decisions of a sequence; 0: none are drawn
+  int sequence_period = 1;                          // decisions from the start of one to that of the next
+  int64_t max_items = 0;                            // of a shard; 0: as many as the bytes hold
+  SamplerKind remover = SamplerKind::kOldestFirst;  // of items beyond max_items
+  double state_interval_s = 10.0;                   // between two writes of counters and priorities
+  double snapshot_interval_s = 0.0;                 // 0: only on demand
+  int snapshots_kept = 2;                           // of the automatic ones
 };
+
+inline bool ByPriority(SamplerKind kind) {
+  return kind == SamplerKind::kPrioritized || kind == SamplerKind::kHighestPriority ||
+         kind == SamplerKind::kLowestPriority;
+}
+// Whether the learner's errors decide anything in this replay.
+inline bool UsesPriorities(const ReplayConfig& replay) {
+  return ByPriority(replay.sampler) || (replay.max_items > 0 && ByPriority(replay.remover));
+}
 
 struct LearnerConfig {
   int threads = 1;

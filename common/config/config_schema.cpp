@@ -106,7 +106,7 @@ void AddReplay(SchemaBuilder& b, Config& c) {
               "When stored chunks are forced to disk; an acknowledgement promises what this does");
   b.Add("replay.sync_interval_s", r.sync_interval_s, 0.01, 3600, "Seconds between two forced writes");
   b.Add("replay.min_size", r.min_size, 1, kHuge,
-        "Frames held before the first sample; actors act at random until then");
+        "Frames held, over all shards, before the first sample; actors act at random until then");
   b.Add("replay.samples_per_insert", r.samples_per_insert, 0, 1e6,
         "Sampled transitions per inserted frame above which sampling waits; 0 is never");
   b.Add("replay.min_samples_per_insert", r.min_samples_per_insert, 0, 1e6,
@@ -117,12 +117,25 @@ void AddReplay(SchemaBuilder& b, Config& c) {
       "replay.verify_frames", r.verify_frames, {"none", "some", "all"},
       "Frames decoded before they are stored, 2 us each; some: all of an actor's first 64 chunks, then "
       "one of each chunk");
-  b.AddChoice("replay.sampler", r.sampler, {"uniform", "prioritized", "newest_first", "oldest_first"},
-              "How items are drawn");
+  const std::vector<std::string> selectors = {"uniform",      "prioritized",      "newest_first",
+                                              "oldest_first", "highest_priority", "lowest_priority"};
+  b.AddChoice("replay.sampler", r.sampler, selectors, "How items are drawn");
   b.Add("replay.priority_exponent", r.priority_exponent, 0, 2, "alpha of prioritised replay");
   b.Add("replay.importance_exponent", r.importance_exponent, 0, 2, "beta of prioritised replay");
-  b.Add("replay.max_times_sampled", r.max_times_sampled, 0, 1e9, "Samples an item serves; 0 is no limit");
+  b.Add("replay.max_times_sampled", r.max_times_sampled, 0, 1e6, "Samples an item serves; 0 is no limit");
   b.Add("replay.max_staleness", r.max_staleness, 0, 1e9, "Policy versions an item may lag; 0 is no limit");
+  b.Add("replay.sequence_length", r.sequence_length, 0, 256,
+        "Decisions of the sequences that recurrent algorithms draw; 0 is none");
+  b.Add("replay.sequence_period", r.sequence_period, 1, 256,
+        "Decisions from the start of a sequence to that of the next one");
+  b.Add("replay.max_items", r.max_items, 0, kHuge,
+        "Items a shard keeps for drawing; 0 is as many as the bytes hold");
+  b.AddChoice("replay.remover", r.remover, selectors, "Which items leave beyond replay.max_items");
+  b.Add("replay.state_interval_s", r.state_interval_s, 0.1, 3600,
+        "Seconds between two writes of counters and priorities: what kill -9 costs of them at most");
+  b.Add("replay.snapshot_interval_s", r.snapshot_interval_s, 0, 1e6,
+        "Seconds between two snapshots of the replay; 0 is only on demand (dadrl replay snapshot)");
+  b.Add("replay.snapshots_kept", r.snapshots_kept, 1, 1000, "Newest automatic snapshots that are kept");
 }
 
 void AddProcesses(SchemaBuilder& b, Config& c) {

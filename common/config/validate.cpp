@@ -1,5 +1,7 @@
 #include "common/config/validate.h"
 
+#include <algorithm>
+
 namespace dadrl {
 
 Status Validate(const Config& config) {
@@ -30,9 +32,14 @@ Status Validate(const Config& config) {
         "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
         replay.min_samples_per_insert, replay.samples_per_insert);
   }
-  const bool ordered =
-      replay.sampler == SamplerKind::kNewestFirst || replay.sampler == SamplerKind::kOldestFirst;
-  if (ordered && replay.max_times_sampled == 0) {
+  if (replay.sequence_period > std::max(replay.sequence_length, 1)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never be drawn",
+        replay.sequence_period, replay.sequence_length);
+  }
+  const bool random = replay.sampler == SamplerKind::kUniform || replay.sampler == SamplerKind::kPrioritized;
+  if (!random && replay.max_times_sampled == 0) {
     return Fail(ErrorCode::kInvalidArgument,
                 "replay.max_times_sampled: 0 with an ordered replay.sampler draws one item for ever; set it "
                 "to at least 1");

@@ -1,5 +1,6 @@
 #include "replay/sampling/selector.h"
 
+#include "replay/sampling/heap_selector.h"
 #include "replay/sampling/ordered_selector.h"
 #include "replay/sampling/prioritized_selector.h"
 #include "replay/sampling/uniform_selector.h"
@@ -16,6 +17,10 @@ std::unique_ptr<Selector> MakeSelector(SamplerKind kind, double priority_exponen
       return std::make_unique<OrderedSelector>(OrderedSelector::Order::kNewestFirst);
     case SamplerKind::kOldestFirst:
       return std::make_unique<OrderedSelector>(OrderedSelector::Order::kOldestFirst);
+    case SamplerKind::kHighestPriority:
+      return std::make_unique<HeapSelector>(HeapSelector::Order::kHighestFirst);
+    case SamplerKind::kLowestPriority:
+      return std::make_unique<HeapSelector>(HeapSelector::Order::kLowestFirst);
   }
   return nullptr;
 }

@@ -1,4 +1,5 @@
-// How items are drawn. Items are small integers ("slots") that the table hands out densely and reuses.
+// How items are chosen, to be drawn (sampler) or to leave (remover). Items are small integers ("slots") that
+// the table hands out densely and reuses.
 #pragma once
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 
 #include "common/util/log.h"
 #include "proto/sample_batch.h"
+#include "proto/sequence_batch.h"
 
 namespace dadrl {
 namespace {
@@ -73,7 +74,14 @@ void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
   if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
     return Refuse(fmt::format("a batch of {} is not between 1 and {}", message.batch_size, kMaxBatch));
   }
-  if (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step())) {
+  const auto longest = static_cast<uint32_t>(table_.sequence_length());
+  if (message.sequence_length > longest) {
+    return Refuse(
+        fmt::format("sequences of {} decisions; this replay was started with replay.sequence_length {}",
+                    message.sequence_length, longest));
+  }
+  if (message.sequence_length == 0 &&
+      (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
     return Refuse(fmt::format("slices of {} steps; this replay was started with algorithm.n_step {}",
                               message.n_step, table_.n_step()));
   }
@@ -88,6 +96,7 @@ void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
                       .number = message.request,
                       .batch_size = message.batch_size,
                       .n_step = static_cast<int>(message.n_step),
+                      .sequence_length = static_cast<int>(message.sequence_length),
                       .policy_version = message.policy_version,
                       .told = false,
                       .prepared = {}});
@@ -126,16 +135,27 @@ bool BatchServer::ServePending() {
   return false;
 }
 
+Result<std::vector<std::byte>> BatchServer::Sample(const Request& request) {
+  if (request.sequence_length > 0) {
+    DADRL_ASSIGN_OR_RETURN(
+        const SampledSequences batch,
+        table_.SampleSequences(request.batch_size, request.sequence_length, request.policy_version));
+    return EncodeSequenceBatch(batch.sequences, request.sequence_length, table_.schema());
+  }
+  DADRL_ASSIGN_OR_RETURN(const SampledBatch batch,
+                         table_.Sample(request.batch_size, request.n_step, request.policy_version));
+  return EncodeSampleBatch(batch.items, table_.schema());
+}
+
 bool BatchServer::Prepare(Request& request) {
-  if (table_.MaySample(request.batch_size) != RateLimiter::Hold::kNone) return false;
-  const Result<SampledBatch> batch =
-      table_.Sample(request.batch_size, request.n_step, request.policy_version);
-  if (!batch) {
-    if (batch.error().code != ErrorCode::kUnavailable) spdlog::error("{}", batch.error().message);
+  if (table_.MaySample(request.batch_size, request.sequence_length) != RateLimiter::Hold::kNone) return false;
+  Result<std::vector<std::byte>> bytes = Sample(request);
+  if (!bytes) {
+    if (bytes.error().code != ErrorCode::kUnavailable) spdlog::error("{}", bytes.error().message);
     return false;
   }
   on_sample_();
-  request.prepared = EncodeSampleBatch(batch->items, table_.schema());
+  request.prepared = std::move(*bytes);
   if (request.prepared.size() <= kMaxReplyBytes) return true;
   Refuse(fmt::format("a batch of {} takes {} bytes, at most {} can be sent", request.batch_size,
                      request.prepared.size(), kMaxReplyBytes));

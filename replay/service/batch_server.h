@@ -55,6 +55,7 @@ class BatchServer {
     uint64_t number = 0;
     uint32_t batch_size = 0;
     int n_step = 0;
+    int sequence_length = 0;  // 0: slices of n_step
     uint32_t policy_version = 0;
     bool told = false;                // that it is withheld
     std::vector<std::byte> prepared;  // its batch, drawn but not yet sent
@@ -68,6 +69,7 @@ class BatchServer {
   void TakePriorities();
   // Serves what may be served; true when a request has to wait for inserts.
   bool ServePending();
+  Result<std::vector<std::byte>> Sample(const Request& request);
   // Draws the batch of a request that may be served. False: not now.
   bool Prepare(Request& request);
   Status Reply(const Request& request, std::vector<std::byte>& bytes);

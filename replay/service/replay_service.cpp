@@ -56,6 +56,11 @@ Status ReplayService::Join() {
       server_, BatchServer::Create(*node_, options_.shard, *table_, clock_, [this] { ingest_->Wake(); }));
   DADRL_ASSIGN_OR_RETURN(
       ingest_, Ingest::Create(*node_, config, options_.shard, *table_, clock_, [this] { server_->Wake(); }));
+  DADRL_ASSIGN_OR_RETURN(keeper_, Keeper::Create(*node_, config, options_.shard, options_.run_directory,
+                                                 *table_, clock_, [this] {
+                                                   ingest_->Wake();
+                                                   server_->Wake();
+                                                 }));
   return {};
 }
 
@@ -76,7 +81,7 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   std::atomic<bool> stopping{false};
   std::thread ingest([&] { ingest_->Run(stopping); });
   std::thread server([&] { server_->Run(stopping); });
-  std::thread keeper([&] { Keep(stopping); });
+  std::thread keeper([&] { keeper_->Run(stopping); });
   const ReplayTable::Stats stats = table_->stats();
   spdlog::info("shard {} serves {} frames ({} MB on disk)", options_.shard, stats.frames_held,
                stats.disk_bytes / 1000000);
@@ -99,6 +104,7 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
     sleeper.SleepFor(kTick);
   }
   stopping = true;
+  keeper_->Wake();
   ingest.join();
   server.join();
   keeper.join();
@@ -107,30 +113,6 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   DADRL_RETURN_IF_ERROR(table_->SaveState());
   spdlog::info("shard {} stopped with {} frames", options_.shard, table_->stats().frames_held);
   return {};
-}
-
-void ReplayService::Keep(const std::atomic<bool>& stop) {
-  const bool sync = options_.config.replay.sync == SyncMode::kInterval;
-  const Duration sync_interval = FromSeconds(options_.config.replay.sync_interval_s);
-  constexpr Duration kTrimInterval = std::chrono::seconds(1);
-  SystemClock sleeper;
-  TimePoint next_sync = clock_.Now() + sync_interval;
-  TimePoint next_trim = clock_.Now() + kTrimInterval;
-  bool failed = false;
-  while (!stop.load()) {
-    sleeper.SleepFor(kTick);
-    const TimePoint now = clock_.Now();
-    if (sync && now >= next_sync) {
-      const Status synced = table_->Sync();
-      if (!synced && !std::exchange(failed, true)) spdlog::error("{}", synced.error().message);
-      if (synced) failed = false;
-      next_sync = now + sync_interval;
-    }
-    if (now >= next_trim) {
-      table_->TrimMemory();
-      next_trim = now + kTrimInterval;
-    }
-  }
 }
 
 void ReplayService::Beat() {
@@ -167,6 +149,8 @@ void ReplayService::PublishStatus() {
   for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {
     status.activity_s[static_cast<size_t>(activity)] = ingest[static_cast<size_t>(activity)];
   }
+  // Within its work: inserts that had to begin a segment.
+  status.activity_s[static_cast<size_t>(Activity::kWaitForDisk)] += table.for_disk.seconds;
   telemetry_->Publish(status);
 }
 

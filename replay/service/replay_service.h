@@ -2,7 +2,7 @@
 //
 //   ingest thread   chunks -> table, acknowledgements; the only one that writes experience
 //   server thread   requests -> batches, priorities
-//   keeper thread   forces the log to the device (replay.sync: interval), trims resident memory
+//   keeper thread   syncs, state, snapshots, commands (keeper.h)
 //   caller of Run   heartbeats, telemetry, waits for the end
 #pragma once
 
@@ -20,6 +20,7 @@
 #include "proto/topics.h"
 #include "replay/service/batch_server.h"
 #include "replay/service/ingest.h"
+#include "replay/service/keeper.h"
 #include "replay/service/telemetry_relay.h"
 #include "replay/table.h"
 
@@ -48,7 +49,6 @@ class ReplayService {
   ReplayService(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
   Status Join();
   Status AnnounceRun();
-  void Keep(const std::atomic<bool>& stop);
   void Beat();
   void PublishStatus();
 
@@ -59,6 +59,7 @@ class ReplayService {
   std::unique_ptr<dds::Node> node_;  // outlives the endpoints below
   std::unique_ptr<BatchServer> server_;
   std::unique_ptr<Ingest> ingest_;
+  std::unique_ptr<Keeper> keeper_;
   std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> heartbeat_;
   // Shard 0's: for who joins, and for who is out of LCM's reach.
   std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> run_config_;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -18,6 +19,13 @@
 #include "common/util/result.h"
 
 namespace dadrl {
+
+// A place in a log of segments.
+struct LogPosition {
+  uint64_t segment = 0;
+  uint64_t offset = 0;  // within its file
+  auto operator<=>(const LogPosition&) const = default;
+};
 
 // One thread appends; any thread may read records it was handed, sync, or drop pages. Shared ownership: a
 // sampled batch keeps the mapping alive after the log has dropped the segment.
@@ -62,16 +70,19 @@ class Segment {
   void Unlink() const;
 
   uint64_t id() const { return id_; }
+  // Where a record that was handed out begins within the file.
+  uint64_t OffsetOf(std::span<const std::byte> record) const {
+    return static_cast<uint64_t>(record.data() - mapping_);
+  }
   uint64_t bytes() const { return used_; }
+  // The file's first `bytes`, as mapped; no more than bytes().
+  std::span<const std::byte> Prefix(uint64_t bytes) const { return {mapping_, bytes}; }
   const std::filesystem::path& path() const { return path_; }
 
  private:
   Segment(std::filesystem::path path, uint64_t id, FileDescriptor file);
   Status Map(uint64_t length);
   Status WriteHeader(uint64_t schema);
-  // Length of the content of the record at `offset`, when its header is whole and the content is inside the
-  // file.
-  bool HeaderAt(uint64_t offset, uint32_t& length, uint64_t& content_checksum) const;
 
   std::filesystem::path path_;
   uint64_t id_;

@@ -21,7 +21,9 @@ namespace {
 constexpr std::string_view kPrefix = "segment-";
 constexpr std::string_view kSuffix = ".log";
 
-std::optional<uint64_t> IdOf(const std::filesystem::path& path) {
+}  // namespace
+
+std::optional<uint64_t> SegmentLog::IdOf(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return std::nullopt;
   const std::string_view digits =
@@ -31,8 +33,6 @@ std::optional<uint64_t> IdOf(const std::filesystem::path& path) {
   if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
   return id;
 }
-
-}  // namespace
 
 Result<std::unique_ptr<SegmentLog>> SegmentLog::Open(const Options& options, const Visitor& visit,
                                                      Recovery& recovery) {
@@ -132,6 +132,14 @@ Result<SegmentLog::Stored> SegmentLog::Append(std::span<const std::byte> record)
   MutexLock lock(mutex_);
   bytes_ += Segment::RecordBytes(record.size());
   return Stored{open_, bytes};
+}
+
+std::vector<SegmentLog::Extent> SegmentLog::Extents() const {
+  MutexLock lock(mutex_);
+  std::vector<Extent> extents;
+  extents.reserve(segments_.size());
+  for (const auto& segment : segments_) extents.push_back({segment, segment->bytes(), segment != open_});
+  return extents;
 }
 
 void SegmentLog::RemoveOldest() {

@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/io/file_descriptor.h"
 #include "common/util/mutex.h"
@@ -40,6 +42,9 @@ class SegmentLog {
   static Result<std::unique_ptr<SegmentLog>> Open(const Options& options, const Visitor& visit,
                                                   Recovery& recovery);
 
+  // Of a segment's file name; nothing when it is none.
+  static std::optional<uint64_t> IdOf(const std::filesystem::path& path);
+
   struct Stored {
     std::shared_ptr<const Segment> segment;
     std::span<const std::byte> bytes;
@@ -58,6 +63,15 @@ class SegmentLog {
 
   // No new segment takes an id up to this one: ids are never reused, even when all segments are gone.
   void ReserveIds(uint64_t up_to) { next_id_ = std::max(next_id_, up_to + 1); }
+
+  // A segment as it is now: sealed ones never change again, the open one only grows.
+  struct Extent {
+    std::shared_ptr<const Segment> segment;
+    uint64_t bytes = 0;
+    bool sealed = true;
+  };
+  // All segments, oldest first. Not while another thread appends.
+  std::vector<Extent> Extents() const;
 
   // Removes the oldest segment's file.
   void RemoveOldest();

@@ -184,7 +184,7 @@ Observation NoiseObservation(const ObservationSpec& spec, Random& random) {
 std::vector<std::byte> MakeSyntheticChunk(const ObservationSpec& spec, const SyntheticChunk& chunk,
                                           uint64_t seed) {
   Random random(seed);
-  ChunkBuilder builder(spec, FloatCoding::kFloat16);
+  ChunkBuilder builder(spec, chunk.floats);
   builder.Begin(chunk.episode, chunk.first_frame);
   for (int i = 0; i < chunk.frames; ++i) {
     const float part = static_cast<float>(chunk.first_frame + static_cast<uint32_t>(i)) / 1000.0f;

@@ -26,6 +26,7 @@ struct SyntheticChunk {
   uint8_t end = 0;           // kTerminated or kTruncated on the last of them
   bool final_frame = false;  // the observation after a truncation follows
   uint32_t policy_version = 1;
+  FloatCoding floats = FloatCoding::kFloat16;
 };
 
 // Its bytes. Frame f of episode e has reward e + f / 1000 and action (f / 1000, -f / 1000), so that a test

@@ -316,6 +316,69 @@ TEST(ChunkIndex, HoldsExactlyTheSlicesThatANaiveReplayFinds) {
   }
 }
 
+class Removers : public testing::TestWithParam<SamplerKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, Removers,
+                         testing::Values(SamplerKind::kOldestFirst, SamplerKind::kNewestFirst,
+                                         SamplerKind::kHighestPriority, SamplerKind::kLowestPriority));
+
+TEST_P(Removers, TakeTheItemsThatAPlainListSays) {
+  constexpr size_t kMaxItems = 20;
+  IndexFixture f({.n_step = 1, .max_items = kMaxItems, .remover = GetParam()});
+  struct Entry {
+    uint64_t key;
+    double priority;
+  };
+  std::vector<Entry> naive;  // in the order of their last change of priority
+  std::map<uint64_t, float> first_reward;
+  Random random(3);
+  double highest = 1.0;
+  for (uint64_t episode = 1; episode <= 100; ++episode) {
+    f.Add({.identity = {1, 1, episode}, .episode = episode, .frames = 1, .end = kTerminated});
+    naive.push_back({(uint64_t{1} << 26 | (episode - 1)) << 6, highest});
+    f.index.RemoveSurplus(random);
+    if (naive.size() > kMaxItems) {
+      const auto by_priority = [](const Entry& a, const Entry& b) { return a.priority < b.priority; };
+      auto leaves = naive.begin();
+      if (GetParam() == SamplerKind::kNewestFirst || GetParam() == SamplerKind::kOldestFirst) {
+        const auto by_age = [](const Entry& a, const Entry& b) { return a.key < b.key; };
+        leaves = GetParam() == SamplerKind::kOldestFirst
+                     ? std::min_element(naive.begin(), naive.end(), by_age)
+                     : std::max_element(naive.begin(), naive.end(), by_age);
+      } else {
+        leaves = GetParam() == SamplerKind::kLowestPriority
+                     ? std::min_element(naive.begin(), naive.end(), by_priority)
+                     : std::max_element(naive.begin(), naive.end(), by_priority);
+      }
+      naive.erase(leaves);
+    }
+    const size_t change = random.Below(naive.size());
+    Entry entry = naive[change];
+    entry.priority = random.Uniform(0.0, 3.0);
+    highest = std::max(highest, entry.priority);
+    f.index.UpdatePriority(entry.key, entry.priority);
+    naive.erase(naive.begin() + static_cast<ptrdiff_t>(change));
+    naive.push_back(entry);
+    ASSERT_EQ(f.index.items(), naive.size());
+    std::set<uint64_t> drawn;
+    for (const SampledItem& item : f.Draw(400, 1).items) drawn.insert(item.key);
+    std::set<uint64_t> expected;
+    for (const Entry& kept : naive) expected.insert(kept.key);
+    ASSERT_EQ(drawn, expected) << episode;
+  }
+  EXPECT_EQ(f.index.frames(), 100u) << "what is not drawn any more is still stored";
+}
+
+TEST(ChunkIndex, AStrideMakesItemsOfEveryFewFramesOnly) {
+  IndexFixture f({.n_step = 4, .stride = 3, .max_times_sampled = 1});
+  f.Add({.identity = {1, 1, 1}, .frames = 5});
+  f.Add({.identity = {1, 1, 2}, .first_frame = 5, .frames = 5, .end = kTerminated});
+  std::set<float> starts;
+  for (const SampledItem& item : f.Draw(4, 4).items) starts.insert(item.rewards[0]);
+  EXPECT_EQ(starts, (std::set<float>{TestReward(1, 1, 0), TestReward(1, 1, 3), TestReward(1, 1, 6),
+                                     TestReward(1, 1, 9)}));
+  EXPECT_EQ(f.index.items(), 0u);
+}
+
 TEST(ChunkIndex, ADrawnBatchOutlivesItsSegment) {
   IndexFixture f({.n_step = 2});
   f.Add({.identity = {1, 1, 1}, .frames = 6, .end = kTerminated});

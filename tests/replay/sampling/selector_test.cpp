@@ -104,10 +104,51 @@ TEST_P(OrderedSelectors, AgreeWithAPlainListUnderRandomOperations) {
   }
 }
 
+class PrioritySelectors : public testing::TestWithParam<SamplerKind> {};
+INSTANTIATE_TEST_SUITE_P(Both, PrioritySelectors,
+                         testing::Values(SamplerKind::kHighestPriority, SamplerKind::kLowestPriority));
+
+TEST_P(PrioritySelectors, AgreeWithAPlainListUnderRandomOperations) {
+  const bool highest = GetParam() == SamplerKind::kHighestPriority;
+  const auto selector = MakeSelector(GetParam(), 0.6);
+  struct Entry {
+    uint32_t slot;
+    double priority;
+  };
+  std::vector<Entry> naive;  // in the order of their last change
+  Random random(6);
+  for (int round = 0; round < 20000; ++round) {
+    const auto slot = static_cast<uint32_t>(random.Below(200));
+    // Few values, so that there are many equals.
+    const double priority = static_cast<double>(random.Below(20));
+    const auto found =
+        std::find_if(naive.begin(), naive.end(), [&](const Entry& entry) { return entry.slot == slot; });
+    if (found == naive.end()) {
+      selector->Insert(slot, priority);
+      naive.push_back({slot, priority});
+    } else if (naive.erase(found); random.Uniform() < 0.5) {
+      selector->Update(slot, priority);
+      naive.push_back({slot, priority});
+    } else {
+      selector->Delete(slot);
+    }
+    ASSERT_EQ(selector->size(), naive.size());
+    if (naive.empty()) continue;
+    // The first of the extreme ones.
+    const auto best = std::min_element(naive.begin(), naive.end(), [&](const Entry& a, const Entry& b) {
+      return highest ? a.priority > b.priority : a.priority < b.priority;
+    });
+    const Selector::Draw draw = selector->Sample(random);
+    ASSERT_EQ(draw.slot, best->slot);
+    ASSERT_EQ(draw.probability, 1.0);
+  }
+}
+
 class AllSelectors : public testing::TestWithParam<SamplerKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, AllSelectors,
                          testing::Values(SamplerKind::kUniform, SamplerKind::kPrioritized,
-                                         SamplerKind::kNewestFirst, SamplerKind::kOldestFirst));
+                                         SamplerKind::kNewestFirst, SamplerKind::kOldestFirst,
+                                         SamplerKind::kHighestPriority, SamplerKind::kLowestPriority));
 
 TEST_P(AllSelectors, DrawOnlyWhatIsInUnderRandomOperations) {
   const auto selector = MakeSelector(GetParam(), 0.7);

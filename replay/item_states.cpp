@@ -1,0 +1,55 @@
+#include "replay/item_states.h"
+
+#include <cstring>
+#include <span>
+
+namespace dadrl {
+namespace {
+
+template <typename T>
+std::vector<T> GetVector(ByteReader& reader, uint64_t count) {
+  if (count > reader.remaining() / sizeof(T)) count = reader.remaining() + 1;  // more than there is
+  const std::span<const std::byte> bytes = reader.GetBytes(count * sizeof(T));
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+}  // namespace
+
+void ItemStates::Put(ByteWriter& writer) const {
+  writer.Put(max_priority);
+  writer.Put(newest_version);
+  writer.Put(static_cast<uint64_t>(chunks.size()));
+  writer.Put(static_cast<uint64_t>(priorities.size()));
+  for (const Chunk& chunk : chunks) {
+    writer.Put(chunk.segment);
+    writer.Put(chunk.checksum);
+    writer.Put(chunk.frames);
+  }
+  writer.PutBytes(std::as_bytes(std::span(priorities)));
+  writer.PutBytes(std::as_bytes(std::span(times_sampled)));
+}
+
+ItemStates ItemStates::Get(ByteReader& reader) {
+  ItemStates states;
+  states.max_priority = reader.Get<double>();
+  states.newest_version = reader.Get<uint32_t>();
+  const auto chunks = reader.Get<uint64_t>();
+  const auto frames = reader.Get<uint64_t>();
+  uint64_t counted = 0;
+  for (uint64_t i = 0; i < chunks && reader.ok(); ++i) {
+    Chunk chunk;
+    chunk.segment = reader.Get<uint64_t>();
+    chunk.checksum = reader.Get<uint64_t>();
+    chunk.frames = reader.Get<uint32_t>();
+    counted += chunk.frames;
+    states.chunks.push_back(chunk);
+  }
+  states.priorities = GetVector<float>(reader, frames);
+  states.times_sampled = GetVector<uint32_t>(reader, frames);
+  if (!reader.ok() || counted != frames) return {};
+  return states;
+}
+
+}  // namespace dadrl

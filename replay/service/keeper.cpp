@@ -1,0 +1,138 @@
+#include "replay/service/keeper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/util/log.h"
+#include "replay/storage/snapshot_folder.h"
+
+namespace dadrl {
+namespace {
+
+constexpr Duration kWait = std::chrono::milliseconds(20);
+constexpr Duration kTrimInterval = std::chrono::seconds(1);
+
+}  // namespace
+
+Result<std::unique_ptr<Keeper>> Keeper::Create(const dds::Node& node, const Config& config, uint32_t shard,
+                                               const std::filesystem::path& run_directory, ReplayTable& table,
+                                               const Clock& clock, std::function<void()> on_limit) {
+  // The writer first: who finds the reader can already be answered.
+  DADRL_ASSIGN_OR_RETURN(auto answers, AnswerWriter::Create(node, kReplayAnswerTopic));
+  DADRL_ASSIGN_OR_RETURN(auto commands, CommandReader::Create(node, kReplayCommandTopic));
+  return std::unique_ptr<Keeper>(new Keeper(std::move(commands), std::move(answers), config, shard,
+                                            run_directory, table, clock, std::move(on_limit)));
+}
+
+Keeper::Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers,
+               const Config& config, uint32_t shard, const std::filesystem::path& run_directory,
+               ReplayTable& table, const Clock& clock, std::function<void()> on_limit)
+    : commands_(std::move(commands)),
+      answers_(std::move(answers)),
+      replay_(config.replay),
+      shard_(shard),
+      snapshots_(SnapshotFolder(run_directory, shard)),
+      table_(table),
+      clock_(clock),
+      on_limit_(std::move(on_limit)) {
+  const bool sync = replay_.sync == SyncMode::kInterval;
+  chores_ = {
+      {sync ? FromSeconds(replay_.sync_interval_s) : Duration::zero(), [this] { return table_.Sync(); }},
+      {FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); }},
+      {FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); }},
+      {kTrimInterval, [this] { return table_.TrimMemory(), Status(); }}};
+  std::erase_if(chores_, [](const Chore& chore) { return chore.interval == Duration::zero(); });
+  for (Chore& chore : chores_) chore.due = clock_.Now() + chore.interval;
+}
+
+void Keeper::Run(const std::atomic<bool>& stop) {
+  while (!stop.load()) {
+    commands_->Wait(kWait);
+    commands_->Take(8, [this](const dadrl_idl_ReplayCommand& command) { OnCommand(command); });
+    DoChores();
+  }
+}
+
+void Keeper::DoChores() {
+  for (Chore& chore : chores_) {
+    if (clock_.Now() < chore.due) continue;
+    const Status done = chore.work();
+    if (!done && !std::exchange(chore.failed, true)) spdlog::error("{}", done.error().message);
+    if (done) chore.failed = false;
+    chore.due = clock_.Now() + chore.interval;
+  }
+}
+
+void Keeper::OnCommand(const dadrl_idl_ReplayCommand& command) {
+  if (command.shard != shard_) return;
+  if (command.command != last_command_) {
+    const Result<std::string> done = Obey(command);
+    last_command_ = command.command;
+    last_done_ = done.has_value();
+    last_text_ = done ? *done : done.error().message;
+    if (done) {
+      spdlog::info("{}", last_text_);
+    } else {
+      spdlog::warn("{}", last_text_);
+    }
+  }
+  dadrl_idl_ReplayAnswer answer{};
+  answer.shard = shard_;
+  answer.command = last_command_;
+  answer.done = last_done_;
+  const size_t length = std::min(last_text_.size(), sizeof(answer.text) - 1);  // ends with a zero
+  std::copy_n(last_text_.data(), length, answer.text);
+  if (const Status sent = answers_->Write(answer); !sent) spdlog::warn("answer: {}", sent.error().message);
+}
+
+Result<std::string> Keeper::Obey(const dadrl_idl_ReplayCommand& command) {
+  switch (static_cast<ReplayCommandKind>(command.kind)) {
+    case ReplayCommandKind::kLimit:
+      return ChangeLimit(command);
+    case ReplayCommandKind::kSnapshot:
+      return TakeSnapshot(command.snapshot);
+  }
+  return Fail(ErrorCode::kInvalidArgument, "shard {} does not know command {}", shard_, command.kind);
+}
+
+// A negative or undefined value leaves the bound as it is.
+Result<std::string> Keeper::ChangeLimit(const dadrl_idl_ReplayCommand& command) {
+  RateLimiter::Options options = table_.limiter_options();
+  const auto set = [](double wanted, double& value) {
+    if (std::isfinite(wanted) && wanted >= 0.0) value = wanted;
+  };
+  if (command.min_size >= 1) options.min_size = command.min_size;
+  set(command.samples_per_insert, options.max_samples_per_insert);
+  set(command.min_samples_per_insert, options.min_samples_per_insert);
+  if (command.band_frames >= 1.0) set(command.band_frames, options.band);
+  if (options.max_samples_per_insert > 0.0 &&
+      options.min_samples_per_insert > options.max_samples_per_insert) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "shard {}: at least {} and at most {} samples per insert: both sides would wait", shard_,
+                options.min_samples_per_insert, options.max_samples_per_insert);
+  }
+  table_.Reconfigure(options);
+  on_limit_();
+  DADRL_RETURN_IF_ERROR(table_.SaveState());
+  return fmt::format(
+      "shard {}: at most {} and at least {} samples per insert, from {} frames on, band {} frames", shard_,
+      options.max_samples_per_insert, options.min_samples_per_insert, options.min_size, options.band);
+}
+
+Result<std::string> Keeper::TakeSnapshot(const std::string& name) {
+  DADRL_RETURN_IF_ERROR(CheckSnapshotName(name));
+  DADRL_ASSIGN_OR_RETURN(const SnapshotReport report, table_.Snapshot(snapshots_ / name));
+  return fmt::format("shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied", shard_,
+                     (snapshots_ / name).string(), static_cast<double>(report.bytes) / 1e6,
+                     static_cast<double>(report.copied_bytes) / 1e6);
+}
+
+Status Keeper::TakeAutomaticSnapshot() {
+  DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(AutomaticSnapshotName(WallTimeNs())));
+  spdlog::info("{}", said);
+  RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);
+  return {};
+}
+
+}  // namespace dadrl

@@ -1,0 +1,73 @@
+// What keeps a shard in order, on a thread of its own: whatever may block on the disk and must not hold up
+// inserts or draws.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/dds/endpoint.h"
+#include "common/util/clock.h"
+#include "common/util/result.h"
+#include "proto/topics.h"
+#include "replay/table.h"
+
+namespace dadrl {
+
+// One thread runs Run. Forces the log to the device (replay.sync: interval), saves the state, takes snapshots
+// into <run directory>/snapshots/shard-K, trims resident memory, and does what `dadrl replay limit` and
+// `dadrl replay snapshot` ask for over the control domain.
+class Keeper {
+ public:
+  // Borrows `table` and `clock`. `on_limit` is called after the rate limiter changed: both sides may be
+  // waiting.
+  static Result<std::unique_ptr<Keeper>> Create(const dds::Node& node, const Config& config, uint32_t shard,
+                                                const std::filesystem::path& run_directory,
+                                                ReplayTable& table, const Clock& clock,
+                                                std::function<void()> on_limit);
+
+  void Run(const std::atomic<bool>& stop);
+  void Wake() { commands_->Wake(); }
+
+ private:
+  // Something done again and again. A failure is logged once, until it succeeds.
+  struct Chore {
+    Duration interval{};  // zero: never
+    std::function<Status()> work;
+    TimePoint due{};
+    bool failed = false;
+  };
+  using CommandReader = dds::Reader<dadrl_idl_ReplayCommand>;
+  using AnswerWriter = dds::Writer<dadrl_idl_ReplayAnswer>;
+
+  Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers, const Config& config,
+         uint32_t shard, const std::filesystem::path& run_directory, ReplayTable& table, const Clock& clock,
+         std::function<void()> on_limit);
+  void DoChores();
+  void OnCommand(const dadrl_idl_ReplayCommand& command);
+  Result<std::string> Obey(const dadrl_idl_ReplayCommand& command);
+  Result<std::string> ChangeLimit(const dadrl_idl_ReplayCommand& command);
+  Result<std::string> TakeSnapshot(const std::string& name);
+  Status TakeAutomaticSnapshot();
+
+  const std::unique_ptr<CommandReader> commands_;
+  const std::unique_ptr<AnswerWriter> answers_;
+  const ReplayConfig replay_;
+  const uint32_t shard_;
+  const std::filesystem::path snapshots_;
+  ReplayTable& table_;
+  const Clock& clock_;
+  const std::function<void()> on_limit_;
+  std::vector<Chore> chores_;
+
+  // The last command, so that one that is sent again is answered again, not done again.
+  uint64_t last_command_ = 0;
+  bool last_done_ = false;
+  std::string last_text_;
+};
+
+}  // namespace dadrl

@@ -1,0 +1,61 @@
+#include "replay/storage/snapshot_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <ctime>
+#include <string_view>
+#include <system_error>
+
+namespace dadrl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kShape = "00000000T000000Z";  // of an automatic name
+
+bool IsAutomatic(const std::string& name) {
+  return std::equal(name.begin(), name.end(), kShape.begin(), kShape.end(), [](char c, char shape) {
+    return shape == '0' ? std::isdigit(static_cast<unsigned char>(c)) != 0 : c == shape;
+  });
+}
+
+}  // namespace
+
+fs::path SnapshotFolder(const fs::path& run_directory, uint32_t shard) {
+  return run_directory / "snapshots" / fmt::format("shard-{}", shard);
+}
+
+Status CheckSnapshotName(const std::string& name) {
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  });
+  if (plain && !name.empty() && name.size() <= 64 && name.front() != '.' && !name.ends_with(".partial")) {
+    return {};
+  }
+  return Fail(ErrorCode::kInvalidArgument,
+              "snapshot name '{}' is not 1 to 64 letters, digits, '-', '_' or '.' (not in front)", name);
+}
+
+std::string AutomaticSnapshotName(int64_t wall_time_ns) {
+  const std::time_t seconds = wall_time_ns / 1'000'000'000;
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  const size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
+  return {text.data(), length};
+}
+
+void RemoveOldSnapshots(const fs::path& folder, int kept) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (IsAutomatic(name)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  const size_t surplus = names.size() - std::min(names.size(), static_cast<size_t>(kept));
+  for (size_t i = 0; i < surplus; ++i) fs::remove_all(folder / names[i], error);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,129 @@
+// What the table does for the restart: finds what is there, saves what the segments do not hold.
+#include <algorithm>
+#include <utility>
+
+#include "common/util/log.h"
+#include "replay/table.h"
+
+namespace dadrl {
+
+Status ReplayTable::Recover() {
+  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay)};
+  SegmentLog::Recovery recovery;
+  DADRL_ASSIGN_OR_RETURN(log_, SegmentLog::Open(
+                                   log_options,
+                                   [this](const auto& segment, std::span<const std::byte> record) {
+                                     return RecoverRecord(segment, record);
+                                   },
+                                   recovery));
+  if (options_.directory.empty()) return {};
+  DADRL_RETURN_IF_ERROR(RestoreState());
+  MutexLock inserting(insert_mutex_);
+  while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
+    DropOldestSegment();
+  }
+  BoundIndex();
+  const Stats now = stats();
+  if (recovery.records > 0 || recovery.dropped_bytes > 0) {
+    spdlog::info("recovered {} frames in {} chunks and {} segments; dropped {} damaged or torn bytes",
+                 now.frames_held, now.chunks_held, recovery.segments, recovery.dropped_bytes);
+  }
+  return {};
+}
+
+// True when the record is a chunk of ours, and now in the index.
+bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
+                                std::span<const std::byte> record) {
+  const Result<ChunkView> chunk = ChunkView::Parse(record);
+  if (!chunk || chunk->header().schema != options_.schema) return false;
+  MutexLock inserting(insert_mutex_);
+  // A gap is a record that was damaged; what follows it is as good as ever.
+  const ChunkIdentity& identity = chunk->header().identity;
+  if (sequences_.Check(identity, identity.sequence) != SequenceTable::Verdict::kNext) return false;
+  sequences_.Accept(identity);
+  end_ = {segment->id(), segment->OffsetOf(record) + record.size()};
+  MutexLock lock(mutex_);
+  index_.Add(segment, *chunk);
+  return true;
+}
+
+// The state file knows what dropped segments held, up to the place it names; the records know the rest.
+Status ReplayTable::RestoreState() {
+  Result<ReplayState> found = ReadReplayState(StatePath());
+  if (!found && found.error().code == ErrorCode::kCorrupt) {
+    spdlog::warn("{}: counters and priorities start anew; stored experience is not affected",
+                 found.error().message);
+  } else if (!found && found.error().code != ErrorCode::kNotFound) {
+    return tl::unexpected(std::move(found.error()));
+  }
+  ReplayState state;
+  if (found && found->schema == options_.schema) state = std::move(*found);
+  MutexLock inserting(insert_mutex_);
+  MutexLock lock(mutex_);
+  sequences_.Merge(state.sequences);
+  RestoreLimiter(state);
+  index_.Restore(state.items);
+  index_.RemoveSurplus(random_);
+  end_ = std::max(end_, state.up_to);
+  log_->ReserveIds(state.up_to.segment);
+  return {};
+}
+
+void ReplayTable::RestoreLimiter(const ReplayState& state) {
+  const RateLimiter::Options configured = LimiterOptions(options_.replay);
+  if (state.limiter_change && state.limiter_change->configured == configured) {
+    limiter_.Reconfigure(state.limiter_change->current);
+    spdlog::info("the rate limiter keeps the bounds that were set while running");
+  }
+  limiter_.Restore(state.limiter);
+  limiter_.OnInsert(static_cast<int64_t>(index_.FramesBehind(state.up_to)));
+}
+
+ReplayTable::Capture ReplayTable::TakeCapture() {
+  Capture capture{.number = ++captures_, .state = {}, .extents = log_->Extents()};
+  ReplayState& state = capture.state;
+  state.schema = options_.schema;
+  state.up_to = end_;
+  state.sequences = sequences_;
+  MutexLock lock(mutex_);
+  state.limiter = limiter_.state();
+  const RateLimiter::Options configured = LimiterOptions(options_.replay);
+  if (limiter_.options() != configured) state.limiter_change = {configured, limiter_.options()};
+  state.items = index_.States();
+  return capture;
+}
+
+Status ReplayTable::SaveState() {
+  if (options_.directory.empty()) return {};
+  Capture capture;
+  {
+    MutexLock inserting(insert_mutex_);
+    capture = TakeCapture();
+  }
+  // What the state calls stored must not be lost behind it: its chunks would be taken for duplicates.
+  if (options_.replay.sync != SyncMode::kNone) DADRL_RETURN_IF_ERROR(log_->Sync());
+  return WriteState(capture);
+}
+
+Status ReplayTable::WriteState(const Capture& capture) {
+  if (options_.directory.empty()) return {};
+  MutexLock lock(state_mutex_);
+  if (capture.number < written_) return {};
+  DADRL_RETURN_IF_ERROR(WriteReplayState(StatePath(), capture.state));
+  written_ = capture.number;
+  return {};
+}
+
+Result<SnapshotReport> ReplayTable::Snapshot(const std::filesystem::path& directory) {
+  if (options_.directory.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "a replay in memory has no files to make a snapshot of");
+  }
+  Capture capture;
+  {
+    MutexLock inserting(insert_mutex_);
+    capture = TakeCapture();
+  }
+  return WriteSnapshot(capture.state, capture.extents, directory);
+}
+
+}  // namespace dadrl
