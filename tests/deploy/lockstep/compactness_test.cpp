@@ -1,0 +1,55 @@
+// What recorded driving takes in the replay.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "actor/collect/collector.h"
+#include "actor/environment.h"
+#include "deploy/lockstep/in_process_ends.h"
+#include "tests/replay/test_chunks.h"
+
+namespace dadrl {
+namespace {
+
+TEST(Compactness, ALeftTurnTakesLessThanEightHundredBytesAFrameAllTold) {
+  constexpr uint64_t kFrames = 2000;
+  const Config config;  // left_turn, at random until a policy comes
+  const TemporaryFolder folder;
+  SystemClock clock;
+  TimeLedger ledger(clock);
+  const std::atomic<bool> stop{false};
+  auto table = ReplayTable::Open({.directory = folder.path(),
+                                  .schema = SchemaHash(ObservationSpec::From(config.observation)),
+                                  .replay = config.replay,
+                                  .n_step = config.algorithm.n_step},
+                                 clock)
+                   .value();
+  const auto environment = MakeDrivingEnvironment(config).value();
+  TableSink sink(config, *table);
+  PolicyRelay relay;
+  ActingPolicy policy(ObservationSpec::From(config.observation), config.model);
+  Collector collector(config,
+                      {.environment = *environment,
+                       .sink = sink,
+                       .policies = relay,
+                       .policy = policy,
+                       .ledger = ledger,
+                       .clock = clock,
+                       .stop = stop},
+                      0, 0);
+  while (table->stats().frames_held < kFrames) {
+    ASSERT_TRUE(collector.RunEpisode());
+    ASSERT_TRUE(sink.status());
+  }
+  const ReplayTable::Stats stats = table->stats();
+  const auto frames = static_cast<double>(stats.frames_held);
+  const double disk = static_cast<double>(stats.disk_bytes) / frames;
+  const double index = static_cast<double>(stats.index_bytes) / frames;
+  RecordProperty("disk_bytes_per_frame", std::to_string(disk));
+  RecordProperty("index_bytes_per_frame", std::to_string(index));
+  EXPECT_LT(disk + index, 800.0);
+  EXPECT_GT(disk, 100.0) << "a frame cannot be that small: is it stored at all?";
+}
+
+}  // namespace
+}  // namespace dadrl
