@@ -1,15 +1,18 @@
-// dadrl-replay: one shard of the replay service.
+// dadrl-replay: one shard of the replay service; `dadrl-replay tool ...`: what users do with
+// stored experience (tools/tool.h).
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "replay/service/replay_service.h"
+#include "replay/tools/tool.h"
 
 namespace {
 
@@ -43,6 +46,7 @@ dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "tool") return dadrl::RunTool(argc - 1, argv + 1);
   CLI::App app("Stores the actors' experience and serves batches of it to the learner.", "dadrl-replay");
   std::string config_file;
   std::string incarnation = "auto";

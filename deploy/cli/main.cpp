@@ -41,7 +41,7 @@ int Main(int argc, char** argv) {
   const std::vector<Command> commands = {
       MakeTrainCommand(app), MakeEvaluateCommand(app), MakeRenderCommand(app), MakeMonitorCommand(app),
       MakeActorCommand(app), MakeDoctorCommand(app),   MakeConfigCommand(app), MakeExportCommand(app),
-      MakeActCommand(app),   MakePoliciesCommand(app)};
+      MakeActCommand(app),   MakePoliciesCommand(app), MakeReplayCommand(app)};
   if (RefuseUnknownCommand(argc, argv, commands)) return kWrongUsage;
   try {
     app.parse(argc, argv);

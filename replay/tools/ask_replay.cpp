@@ -1,0 +1,80 @@
+#include "replay/tools/ask_replay.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/config/config_yaml.h"
+#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/util/clock.h"
+
+namespace dadrl {
+namespace {
+
+constexpr Duration kPatience = std::chrono::seconds(60);
+constexpr Duration kRepeat = std::chrono::seconds(1);
+
+struct Answer {
+  bool done = false;
+  std::string text;
+};
+
+int Print(const std::map<uint32_t, Answer>& answers, bool json) {
+  bool all_done = true;
+  nlohmann::ordered_json shards = nlohmann::ordered_json::array();
+  for (const auto& [shard, answer] : answers) {
+    all_done = all_done && answer.done;
+    shards.push_back({{"shard", shard}, {"done", answer.done}, {"text", answer.text}});
+    if (!json) fmt::print(answer.done ? stdout : stderr, "{}\n", answer.text);
+  }
+  if (json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"done", all_done}, {"shards", std::move(shards)}}.dump());
+  }
+  return all_done ? 0 : 1;
+}
+
+}  // namespace
+
+Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_ReplayCommand command,
+                      bool json) {
+  Config config;
+  DADRL_RETURN_IF_ERROR(LoadYaml(run_directory / "config.yaml", config));
+  const auto shards = static_cast<size_t>(config.replay.shards);
+  DADRL_ASSIGN_OR_RETURN(const auto node,
+                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0));
+  DADRL_ASSIGN_OR_RETURN(const auto answers,
+                         dds::Reader<dadrl_idl_ReplayAnswer>::Create(*node, kReplayAnswerTopic));
+  DADRL_ASSIGN_OR_RETURN(const auto commands,
+                         dds::Writer<dadrl_idl_ReplayCommand>::Create(*node, kReplayCommandTopic));
+  command.command = static_cast<uint64_t>(WallTimeNs()) ^ static_cast<uint64_t>(getpid()) << 40;
+  std::map<uint32_t, Answer> heard;
+  const SystemClock clock;
+  const TimePoint end = clock.Now() + kPatience;
+  TimePoint next{};
+  while (heard.size() < shards && clock.Now() < end) {
+    if (commands->matched() > 0 && clock.Now() >= next) {
+      for (uint32_t shard = 0; shard < shards; ++shard) {
+        command.shard = shard;
+        if (!heard.contains(shard)) static_cast<void>(commands->Write(command));  // is repeated
+      }
+      next = clock.Now() + kRepeat;
+    }
+    answers->Wait(std::chrono::milliseconds(50));
+    answers->Take(64, [&](const dadrl_idl_ReplayAnswer& answer) {
+      if (answer.command != command.command || answer.shard >= shards) return;
+      heard[answer.shard] = {answer.done, answer.text};
+    });
+  }
+  if (heard.size() < shards) {
+    return Fail(ErrorCode::kUnavailable, "{} of {} replay shards of {} answered; is the training running?",
+                heard.size(), shards, run_directory.string());
+  }
+  return Print(heard, json);
+}
+
+}  // namespace dadrl

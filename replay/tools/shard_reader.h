@@ -1,0 +1,61 @@
+// Stored experience for reading only: no lock, nothing is mended, a running replay is not disturbed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/io/mapped_file.h"
+#include "common/model/observation.h"
+#include "common/util/result.h"
+#include "proto/experience.h"
+
+namespace dadrl {
+
+// Bytes that are no whole chunk of this replay.
+struct Damage {
+  std::filesystem::path file;
+  uint64_t offset = 0;
+  uint64_t bytes = 0;
+  std::string what;
+};
+
+// The segments of one or more shards, as long as they were when they were opened. Not thread safe.
+class ShardReader {
+ public:
+  // `directory`: a shard's folder, a snapshot, or a folder of shards (`replay` of a run, or the run itself).
+  // kNotFound: no segment anywhere; kCorrupt: no segment says what it holds, or they hold different things.
+  static Result<ShardReader> Open(const std::filesystem::path& directory);
+
+  // Visits every whole chunk, shard by shard in the order it was stored; `visit` returns false to stop.
+  void ForEachChunk(const std::function<bool(const std::filesystem::path& file, uint64_t offset,
+                                             const ChunkView& chunk)>& visit,
+                    const std::function<void(const Damage&)>& on_damage) const;
+
+  // What the observations look like; follows from the schema.
+  const ObservationSpec& spec() const { return spec_; }
+  uint64_t schema() const { return schema_; }
+  size_t segments() const { return segments_.size(); }
+  uint64_t bytes() const;
+  const std::vector<std::filesystem::path>& shards() const { return shards_; }
+
+ private:
+  struct SegmentFile {
+    std::filesystem::path path;
+    uint64_t id = 0;
+    MappedFile file;
+    bool newest = false;  // of its shard: it may be growing
+  };
+  ShardReader() = default;
+  Status AddShard(const std::filesystem::path& directory);
+  Status FindSchema();
+
+  std::vector<std::filesystem::path> shards_;
+  std::vector<SegmentFile> segments_;
+  uint64_t schema_ = 0;
+  ObservationSpec spec_;
+};
+
+}  // namespace dadrl

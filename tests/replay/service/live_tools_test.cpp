@@ -1,0 +1,65 @@
+// `dadrl replay limit | snapshot` on a replay at work.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/replay/run_tool.h"
+#include "tests/replay/service/service_fixture.h"
+
+namespace dadrl {
+namespace {
+
+using LiveTools = ReplayServiceTest;
+
+TEST_F(LiveTools, ASnapshotIsTakenWhileExperienceComesIn) {
+  Launch();
+  AddChunks(3000);
+  ASSERT_TRUE(actor_->PumpUntilStored(50)) << replay_->Log();
+  const std::string run = (folder_.path() / "run").string();
+  std::FILE* asking = popen(
+      (std::string(DADRL_BINARY_DIR) + "/bin/dadrl-replay tool snapshot --json --name now --run-dir " + run)
+          .c_str(),
+      "r");
+  ASSERT_TRUE(actor_->PumpUntilStored(3000, 60.0)) << replay_->Log();
+  std::string said;
+  for (int c = std::fgetc(asking); c != EOF; c = std::fgetc(asking)) said += static_cast<char>(c);
+  ASSERT_EQ(pclose(asking), 0) << said;
+  EXPECT_EQ(nlohmann::json::parse(said)["done"], true);
+  const std::string snapshot = run + "/snapshots/shard-0/now";
+  EXPECT_EQ(RunTool({"verify", snapshot}).exit_code, 0);
+  const auto held = nlohmann::json::parse(RunTool({"inspect", snapshot, "--json"}).out);
+  EXPECT_GE(held["chunks"], 50);
+  EXPECT_LE(held["chunks"], 3000);
+  const ToolOutput taken = RunTool({"snapshot", "--name", "now", "--run-dir", run});
+  EXPECT_EQ(taken.exit_code, 1);
+  EXPECT_THAT(taken.err, testing::HasSubstr("exists"));
+}
+
+TEST_F(LiveTools, TheLimiterChangesWhileBothSidesWaitAndKeepsThatOverAKill) {
+  config_.replay.max_times_sampled = 0;
+  config_.replay.min_size = 1000;
+  Launch();
+  AddChunks(20);
+  ASSERT_TRUE(actor_->PumpUntilStored(20)) << replay_->Log();
+  const uint64_t number = learner_->Ask(8);
+  ASSERT_TRUE(Eventually([&] { return !learner_->RepliesTo(number).empty(); }));
+  EXPECT_TRUE(learner_->RepliesTo(number).back().bytes.empty()) << "80 frames are fewer than 1000";
+  const std::string run = (folder_.path() / "run").string();
+  const ToolOutput changed = RunTool({"limit", "--min-size", "8", "--run-dir", run});
+  EXPECT_EQ(changed.exit_code, 0) << changed.err;
+  EXPECT_THAT(changed.out, testing::HasSubstr("from 8 frames on"));
+  ASSERT_TRUE(Eventually([&] { return !learner_->RepliesTo(number).back().bytes.empty(); }))
+      << replay_->Log();
+  const ToolOutput both =
+      RunTool({"limit", "--samples-per-insert", "3", "--min-samples-per-insert", "4", "--run-dir", run});
+  EXPECT_EQ(both.exit_code, 1);
+  EXPECT_THAT(both.err, testing::HasSubstr("both sides would wait"));
+  replay_->Kill();
+  ASSERT_TRUE(learner_->WaitForNoReplay());
+  replay_->Start();
+  ASSERT_TRUE(learner_->WaitForReplay());
+  EXPECT_FALSE(learner_->Fetch(8).bytes.empty());
+}
+
+}  // namespace
+}  // namespace dadrl

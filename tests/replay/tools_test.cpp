@@ -1,0 +1,327 @@
+// `dadrl replay inspect | verify | export | import | restore` on real folders.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "common/io/checksum.h"
+#include "common/io/npy.h"
+#include "replay/storage/snapshot_folder.h"
+#include "replay/table.h"
+#include "tests/proto/synthetic_experience.h"
+#include "tests/replay/run_tool.h"
+
+namespace dadrl {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const ObservationSpec kSpec;
+
+class ToolsTest : public testing::Test {
+ protected:
+  ToolsTest() : run_(folder_.path() / "run"), shard_(run_ / "replay" / "shard-0") {}
+
+  std::unique_ptr<ReplayTable> OpenTable() {
+    TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}, .n_step = 1};
+    options.replay.segment_bytes = 1 << 16;
+    return std::move(*ReplayTable::Open(options, clock_));
+  }
+  // Two actors: one terminates each episode, one is truncated in a chunk of its own; the last episode is
+  // open.
+  void Store(int rounds, FloatCoding floats = FloatCoding::kFloat16) {
+    const auto table = OpenTable();
+    for (int i = 0; i < rounds; ++i) Round(*table, floats);
+    ASSERT_TRUE(table->Insert(MakeSyntheticChunk(kSpec, {.identity = {1, 5, sequence_ + 1},
+                                                         .episode = sequence_ + 1,
+                                                         .frames = 3,
+                                                         .policy_version = 9,
+                                                         .floats = floats})));
+    ASSERT_TRUE(table->SaveState());
+  }
+  void Round(ReplayTable& table, FloatCoding floats) {
+    ++sequence_;
+    ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {1, 5, sequence_},
+                                                        .episode = sequence_,
+                                                        .frames = 20,
+                                                        .end = kTerminated,
+                                                        .policy_version = 2,
+                                                        .floats = floats})));
+    ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {2, 6, sequence_},
+                                                        .episode = sequence_,
+                                                        .frames = 10,
+                                                        .end = kTruncated,
+                                                        .final_frame = true,
+                                                        .policy_version = 3,
+                                                        .floats = floats})));
+  }
+  fs::path FirstSegment() const {
+    std::vector<fs::path> segments;
+    for (const auto& entry : fs::directory_iterator(shard_)) {
+      if (entry.path().extension() == ".log") segments.push_back(entry.path());
+    }
+    return *std::min_element(segments.begin(), segments.end());
+  }
+  std::string At(const char* name) const { return (folder_.path() / name).string(); }
+
+  SystemClock clock_;
+  TemporaryFolder folder_;
+  fs::path run_;
+  fs::path shard_;
+  uint64_t sequence_ = 0;
+};
+
+std::string FileBytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(ToolsTest, InspectCountsWhatIsThereFromAnyOfItsFolders) {
+  Store(30);
+  for (const fs::path& folder : {run_, run_ / "replay", shard_}) {
+    const ToolOutput output = RunTool({"inspect", folder.string(), "--json"});
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    const auto json = nlohmann::json::parse(output.out);
+    EXPECT_EQ(json["chunks"], 61);
+    EXPECT_EQ(json["frames"], 30 * 31 + 3);
+    EXPECT_EQ(json["transitions"], 30 * 30 + 3);
+    EXPECT_EQ(json["episodes"], 61);
+    EXPECT_EQ(json["ends"]["terminated"], 30);
+    EXPECT_EQ(json["ends"]["truncated"], 30);
+    EXPECT_EQ(json["ends"]["unfinished"], 1);
+    EXPECT_EQ(json["actors"], 2);
+    EXPECT_EQ(json["policy_versions"]["oldest"], 2);
+    EXPECT_EQ(json["policy_versions"]["newest"], 9);
+    EXPECT_EQ(json["observation"]["vehicles"], 6);
+    EXPECT_EQ(json["damaged_bytes"], 0);
+    EXPECT_GT(json["segments"], 1);
+  }
+  const ToolOutput table = RunTool({"inspect", run_.string()});
+  EXPECT_EQ(table.exit_code, 0);
+  EXPECT_THAT(table.out, HasSubstr("terminated"));
+}
+
+TEST_F(ToolsTest, VerifyNamesFileAndOffsetOfDamageAndMendsNothing) {
+  Store(20);
+  const ToolOutput sound = RunTool({"verify", run_.string()});
+  EXPECT_EQ(sound.exit_code, 0) << sound.out;
+  EXPECT_THAT(sound.out, HasSubstr("623 frames"));
+  const fs::path segment = FirstSegment();
+  std::string bytes = FileBytes(segment);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+  bytes.resize(bytes.size() - 5);
+  std::ofstream(segment, std::ios::binary) << bytes;
+  const ToolOutput damaged = RunTool({"verify", run_.string(), "--json"});
+  EXPECT_EQ(damaged.exit_code, 1);
+  const auto json = nlohmann::json::parse(damaged.out);
+  EXPECT_EQ(json["ok"], false);
+  ASSERT_EQ(json["damages"], 2) << damaged.out;
+  const auto middle = json["damage"][0];
+  EXPECT_EQ(middle["file"], segment.string());
+  EXPECT_LE(middle["offset"].get<size_t>(), bytes.size() / 2);
+  EXPECT_GT(middle["offset"].get<size_t>() + middle["bytes"].get<size_t>(), bytes.size() / 2);
+  EXPECT_EQ(json["damage"][1]["offset"].get<size_t>() + json["damage"][1]["bytes"].get<size_t>(),
+            bytes.size());
+  EXPECT_EQ(FileBytes(segment), bytes) << "it looks, and touches nothing";
+  std::ofstream(shard_ / "state", std::ios::trunc) << "nonsense";
+  const ToolOutput state = RunTool({"verify", run_.string()});
+  EXPECT_EQ(state.exit_code, 1);
+  EXPECT_THAT(state.out, HasSubstr((shard_ / "state").string()));
+}
+
+TEST_F(ToolsTest, VerifyFindsAFrameThatDoesNotDecodeBehindSoundChecksums) {
+  const auto table = OpenTable();
+  ChunkBuilder other({.vehicles = 2, .history = 5}, FloatCoding::kFloat16);
+  other.AddTransition(Observation({.vehicles = 2, .history = 5}), {}, 0.0f, 0, 1);
+  std::vector<std::byte> chunk = other.Finish({1, 1, 1});
+  const uint64_t schema = SchemaHash(kSpec);
+  std::memcpy(&chunk[48], &schema, 8);
+  const uint64_t checksum = Xxh3(std::span(chunk).first(chunk.size() - 8));
+  std::memcpy(&chunk[chunk.size() - 8], &checksum, 8);
+  ASSERT_EQ(table->Insert(chunk), ReplayTable::Insertion::kStored);
+  const ToolOutput output = RunTool({"verify", run_.string()});
+  EXPECT_EQ(output.exit_code, 1);
+  EXPECT_THAT(output.out, HasSubstr("actor 1, episode 0, frame 0"));
+}
+
+class RoundTrip : public ToolsTest, public testing::WithParamInterface<FloatCoding> {};
+INSTANTIATE_TEST_SUITE_P(Codings, RoundTrip, testing::Values(FloatCoding::kFloat16, FloatCoding::kFloat32));
+
+TEST_P(RoundTrip, ExportImportExportIsTheSameToTheByte) {
+  Store(8, GetParam());
+  const ToolOutput first = RunTool({"export", run_.string(), "--out", At("a")});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const ToolOutput imported = RunTool({"import", At("imported"), "--from", At("a")});
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  EXPECT_EQ(RunTool({"verify", At("imported")}).exit_code, 0);
+  ASSERT_EQ(RunTool({"export", At("imported"), "--out", At("b")}).exit_code, 0);
+  size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(At("a"))) {
+    EXPECT_EQ(FileBytes(entry.path()), FileBytes(fs::path(At("b")) / entry.path().filename()))
+        << entry.path().filename();
+    ++files;
+  }
+  EXPECT_EQ(files, 14u);
+  // A replay takes it as its own.
+  TableOptions options{
+      .directory = fs::path(At("imported")) / "shard-0", .schema = SchemaHash(kSpec), .replay = {}};
+  const auto table = ReplayTable::Open(options, clock_).value();
+  EXPECT_EQ(table->stats().frames_held, 8u * 30u + 3u);
+  EXPECT_EQ(table->stats().inserted_frames, 8u * 30u + 3u);
+}
+
+TEST_F(ToolsTest, ExportedArraysHoldWhatWasStored) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays"), "--limit", "30"}).exit_code, 0);
+  const fs::path arrays = At("arrays");
+  const auto chunk = MakeSyntheticChunk(
+      kSpec, {.identity = {1, 5, 1}, .episode = 1, .frames = 20, .end = kTerminated, .policy_version = 2});
+  const auto view = ChunkView::Parse(chunk).value();
+  const auto rewards = ReadNpy<float>(arrays / "rewards.npy", 1 << 20).value();
+  const auto vehicles = ReadNpy<float>(arrays / "vehicles.npy", 1 << 20).value();
+  const auto context = ReadNpy<uint8_t>(arrays / "context.npy", 1 << 20).value();
+  const auto terminated = ReadNpy<uint8_t>(arrays / "terminated.npy", 1 << 20).value();
+  const auto step = ReadNpy<uint32_t>(arrays / "step.npy", 1 << 20).value();
+  EXPECT_EQ(rewards.shape, std::vector<size_t>{30});
+  EXPECT_EQ(vehicles.shape, (std::vector<size_t>{30, 6, 5, 7}));
+  EXPECT_EQ(context.shape, (std::vector<size_t>{30, 2, 128, 128}));
+  FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  Observation observation(kSpec);
+  for (int frame = 0; frame < 20; ++frame) {
+    const auto row = static_cast<size_t>(frame);
+    ASSERT_TRUE(
+        codec.Decode(view.payload(frame), observation.vehicles, observation.ego, observation.context));
+    EXPECT_EQ(rewards.values[row], view.reward(frame));
+    EXPECT_EQ(terminated.values[row], frame == 19);
+    EXPECT_EQ(step.values[row], row);
+    EXPECT_TRUE(std::equal(observation.vehicles.begin(), observation.vehicles.end(),
+                           vehicles.values.begin() + static_cast<ptrdiff_t>(row * 210)));
+    for (const size_t pixel :
+         {size_t{0}, size_t{8 * 128 + 60}, size_t{64 * 128 + 64}, size_t{2 * 16384 - 1}}) {
+      EXPECT_EQ(context.values[row * 32768 + pixel], observation.context[pixel / 8] >> (pixel % 8) & 1);
+    }
+  }
+}
+
+TEST_F(ToolsTest, NumPyReadsAnExport) {
+  Store(2);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const std::string script = folder_.path() / "check.py";
+  std::ofstream(script) << R"(
+import json, numpy, sys
+index = json.load(open(sys.argv[1] + "/index.json"))
+a = {name: numpy.load(f"{sys.argv[1]}/{array['file']}") for name, array in index["arrays"].items()}
+for name, array in index["arrays"].items():
+    assert list(a[name].shape) == array["shape"] and a[name].dtype.str == array["type"], name
+rows = index["rows"]
+assert rows == 2 * 31 + 3
+transitions = a["has_action"] == 1
+assert transitions.sum() == 63 and a["terminated"].sum() == 2 and a["truncated"].sum() == 2
+# The row behind a transition is its next observation, unless the episode terminated.
+after = numpy.flatnonzero(a["truncated"]) + 1
+assert (a["has_action"][after] == 0).all() and (a["step"][after] == 10).all()
+assert a["context"].max() == 1 and numpy.isfinite(a["vehicles"]).all()
+)";
+  const ToolOutput checked = RunShell("/usr/bin/python3 " + script + " " + At("arrays"));
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+}
+
+TEST_F(ToolsTest, ImportRefusesWhatIsNoExperienceAndLeavesNothingBehind) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const fs::path arrays = At("arrays");
+  const auto refused = [&](const char* says, int code) {
+    const ToolOutput output = RunTool({"import", At("new"), "--from", arrays.string()});
+    EXPECT_EQ(output.exit_code, code) << output.err;
+    EXPECT_THAT(output.err, HasSubstr(says));
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+    EXPECT_FALSE(fs::exists(At("new")));
+  };
+  auto ego = ReadNpy<float>(arrays / "ego.npy", 1 << 20).value();
+  const auto sound_ego = ego.values;
+  ego.values[200] = NAN;
+  ASSERT_TRUE(WriteNpy<float>(arrays / "ego.npy", ego.shape, ego.values));
+  refused("row 2: vehicles.npy or ego.npy", 2);
+  ASSERT_TRUE(WriteNpy<float>(arrays / "ego.npy", ego.shape, sound_ego));
+  auto truncated = ReadNpy<uint8_t>(arrays / "truncated.npy", 1 << 20).value();
+  const auto sound_truncated = truncated.values;
+  truncated.values[5] = 1;
+  ASSERT_TRUE(WriteNpy<uint8_t>(arrays / "truncated.npy", truncated.shape, truncated.values));
+  refused("no part of an episode", 2);
+  const std::vector<size_t> shorter{3};
+  ASSERT_TRUE(WriteNpy<uint8_t>(arrays / "truncated.npy", shorter, std::span(sound_truncated).first(3)));
+  refused("has shape (3,)", 2);
+  fs::remove(arrays / "index.json");
+  refused("index.json", 1);
+}
+
+TEST_F(ToolsTest, NothingIsOverwritten) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const ToolOutput again = RunTool({"export", run_.string(), "--out", At("arrays")});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("not empty"));
+  const ToolOutput onto = RunTool({"import", (run_ / "replay").string(), "--from", At("arrays")});
+  EXPECT_EQ(onto.exit_code, 2);
+  EXPECT_THAT(onto.err, HasSubstr("not empty"));
+}
+
+TEST_F(ToolsTest, RestorePutsASnapshotInPlaceOfAStoppedReplay) {
+  {
+    const auto table = OpenTable();
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+    ASSERT_TRUE(table->Snapshot(SnapshotFolder(run_, 0) / "good"));
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+    const ToolOutput busy = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
+    EXPECT_EQ(busy.exit_code, 1);
+    EXPECT_THAT(busy.err, HasSubstr("in use"));
+    EXPECT_EQ(table->stats().frames_held, 600u);
+  }
+  const ToolOutput restored = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
+  ASSERT_EQ(restored.exit_code, 0) << restored.err;
+  EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
+  EXPECT_EQ(nlohmann::json::parse(
+                RunTool({"inspect", (run_ / "replay.replaced").string(), "--json"}).out)["transitions"],
+            600);
+  EXPECT_EQ(RunTool({"verify", (SnapshotFolder(run_, 0) / "good").string()}).exit_code, 0);
+  const ToolOutput unknown = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "bad"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("no snapshot"));
+}
+
+TEST_F(ToolsTest, OldAutomaticSnapshotsGoAndNamedOnesStay) {
+  for (const char* name : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z", "mine"}) {
+    fs::create_directories(folder_.path() / name);
+  }
+  RemoveOldSnapshots(folder_.path(), 2);
+  EXPECT_FALSE(fs::exists(At("20260101T000000Z")));
+  EXPECT_TRUE(fs::exists(At("20260102T000000Z")));
+  EXPECT_TRUE(fs::exists(At("20260103T000000Z")));
+  EXPECT_TRUE(fs::exists(At("mine")));
+  EXPECT_EQ(AutomaticSnapshotName(0), "19700101T000000Z");
+}
+
+TEST_F(ToolsTest, WrongUsageIsOneLine) {
+  fs::create_directories(folder_.path() / "empty");
+  const auto fails = [](const std::vector<std::string>& words, int code, const char* says) {
+    const ToolOutput output = RunTool(words);
+    EXPECT_EQ(output.exit_code, code) << output.err;
+    EXPECT_THAT(output.err, HasSubstr(says));
+    EXPECT_EQ(output.out, "");
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+  };
+  fails({"inspect", "/no/such/folder"}, 1, "/no/such/folder");
+  fails({"verify", At("empty")}, 1, "holds no stored experience");
+  fails({"inspekt", At("empty")}, 2, "the nearest is 'inspect'");
+  fails({"export", At("empty")}, 2, "--out");
+  fails({"restore", "--run-dir", At("empty"), "--snapshot", "../x"}, 2, "snapshot name");
+  fails({"limit", "--run-dir", At("empty")}, 2, "config.yaml");
+  fails({"limit", "--run-dir", At("empty"), "--samples-per-insert", "many"}, 2, "--samples-per-insert");
+}
+
+}  // namespace
+}  // namespace dadrl
