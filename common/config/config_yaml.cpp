@@ -48,6 +48,23 @@ Status AssignNode(const std::vector<ConfigField>& fields, const YAML::Node& node
   return {};
 }
 
+// Overlays what stands under the top-level keys that `wanted(name)` accepts.
+template <typename Wanted>
+Status ParseRoot(std::string_view text, std::string_view origin, Wanted wanted, Config& config) {
+  try {
+    const YAML::Node root = YAML::Load(std::string(text));
+    if (root.IsNull()) return {};
+    if (!root.IsMap()) return Fail(ErrorCode::kInvalidArgument, "{}: expected 'key: value' lines", origin);
+    YAML::Node chosen(YAML::NodeType::Map);
+    for (const auto& entry : root) {
+      if (wanted(entry.first.as<std::string>())) chosen[entry.first] = entry.second;
+    }
+    return AssignNode(SchemaOf(config), chosen, "", origin);
+  } catch (const YAML::Exception& exception) {
+    return Fail(ErrorCode::kInvalidArgument, "{}: not YAML: {}", origin, exception.what());
+  }
+}
+
 // "a.b.c" under "a.d" shares "a": prints the section heads that `key` opens.
 void OpenSections(std::string& out, const std::string& key, const std::string& previous, size_t& depth) {
   size_t common = 0;
@@ -71,14 +88,16 @@ std::string Range(const ConfigField& field) {
 }  // namespace
 
 Status ParseYaml(std::string_view text, std::string_view origin, Config& config) {
-  try {
-    const YAML::Node root = YAML::Load(std::string(text));
-    if (root.IsNull()) return {};
-    if (!root.IsMap()) return Fail(ErrorCode::kInvalidArgument, "{}: expected 'key: value' lines", origin);
-    return AssignNode(SchemaOf(config), root, "", origin);
-  } catch (const YAML::Exception& exception) {
-    return Fail(ErrorCode::kInvalidArgument, "{}: not YAML: {}", origin, exception.what());
-  }
+  return ParseRoot(
+      text, origin, [](const std::string&) { return true; }, config);
+}
+
+Status ParseYamlSections(std::string_view text, std::string_view origin,
+                         std::span<const std::string_view> sections, Config& config) {
+  const auto wanted = [&](const std::string& name) {
+    return std::find(sections.begin(), sections.end(), name) != sections.end();
+  };
+  return ParseRoot(text, origin, wanted, config);
 }
 
 Status LoadYaml(const std::filesystem::path& file, Config& config) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,10 @@ namespace dadrl {
 Status LoadYaml(const std::filesystem::path& file, Config& config);
 // The same for YAML text; `origin` names it in errors.
 Status ParseYaml(std::string_view text, std::string_view origin, Config& config);
+// Of YAML text only what stands under these top-level keys; the rest is passed over, whatever it says. For
+// files that must outlive changes of keys that mean nothing to their reader.
+Status ParseYamlSections(std::string_view text, std::string_view origin,
+                         std::span<const std::string_view> sections, Config& config);
 
 // One "key=value" of the command line.
 Status ApplyOverride(std::string_view assignment, Config& config);

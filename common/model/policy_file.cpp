@@ -19,6 +19,8 @@ namespace {
 constexpr std::string_view kMagic = "DADRLPOL";
 constexpr uint32_t kFormat = 2;
 constexpr uint32_t kFormatWithoutCritic = 1;
+constexpr std::array<std::string_view, 7> kSections = {"scenario",    "seed",  "traffic",  "task",
+                                                       "observation", "model", "algorithm"};
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 constexpr std::string_view kRemedy = "take another policy file of the run's checkpoints folder";
 
@@ -102,7 +104,7 @@ Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
   if (!reader.ok() || reader.remaining() != 0) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged (lengths): {}", path.string(), kRemedy);
   }
-  DADRL_RETURN_IF_ERROR(ParseYaml(config_yaml, path.string(), policy.config));
+  DADRL_RETURN_IF_ERROR(ParseYamlSections(config_yaml, path.string(), kSections, policy.config));
   DADRL_RETURN_IF_ERROR(Validate(policy.config));
   const auto bad = std::find_if_not(policy.parameters.begin(), policy.parameters.end(),
                                     [](float value) { return std::isfinite(value); });

@@ -21,7 +21,8 @@ struct PolicyFile {
   uint64_t layout_hash = 0;     // of the flat parameter vector, see ActingPolicy
   uint32_t policy_version = 0;  // as broadcast; 0 when never broadcast
   uint64_t updates = 0;         // training updates behind it
-  Config config;                // of the training: observation, model, task and all else
+  Config config;                // of the training, as far as it matters to whoever drives: scenario, seed,
+                                // traffic, task, observation, model, algorithm; the rest is the default
   std::vector<float> parameters;
   std::vector<float> critic;  // as of CriticNetwork::layout: nobody drives with it, `dadrl act` shows its
                               // values; empty where there was none, or in a file of format 1

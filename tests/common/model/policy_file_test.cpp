@@ -55,6 +55,25 @@ TEST_F(PolicyFileTest, ReadsBackEverything) {
   EXPECT_EQ(loaded->critic, critic_);
 }
 
+TEST_F(PolicyFileTest, OutlivesChangesOfKeysThatNobodyDrivesBy) {
+  config_.model.hidden = 128;
+  PolicyToSave policy = Policy();
+  policy.config_yaml += "replays:\n  once_was: 3\n";
+  ASSERT_TRUE(SavePolicy(path_, policy));
+  const auto loaded = LoadPolicy(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->config.model.hidden, 128);
+}
+
+TEST_F(PolicyFileTest, RefusesAKeyOfTheNetworkThatItDoesNotKnow) {
+  PolicyToSave policy = Policy();
+  policy.config_yaml = "model:\n  hiden: 3\n";
+  ASSERT_TRUE(SavePolicy(path_, policy));
+  const auto loaded = LoadPolicy(path_);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("model.hidden"));
+}
+
 TEST_F(PolicyFileTest, ReadsTheFormatWithoutCritics) {
   critic_.clear();
   ASSERT_TRUE(SavePolicy(path_, Policy()));
