@@ -88,7 +88,7 @@ def paper_cells(paper, row, scenario):
 
 
 def benchmark_scenario(scenario, reports, paper):
-    rows = [["paper's RDM (SMARTS, n = 50)", "50", *paper_cells(paper, "RDM", scenario), "", "", ""]]
+    rows = [["paper's RDM (SMARTS)", "50", *paper_cells(paper, "RDM", scenario), "", "", ""]]
     for driver, title in DRIVER_TITLES.items():
         report = reports.get(f"{scenario}-{driver}")
         if report is None:
@@ -112,7 +112,7 @@ def wilson(hits, trials):
 def expectations(benchmark, prototype):
     """Each figure of the prototype beside ours; `apart` when the two intervals do not even touch."""
     rows = []
-    for what in ("rdm collision", "predictive success"):
+    for what in ("rdm collision", "predictive success", "random success"):
         driver, rate = what.split()
         for scenario, (hits, trials) in zip(prototype["scenarios"], prototype[what]):
             low, high = wilson(hits, trials)

@@ -117,11 +117,12 @@ class Tables(unittest.TestCase):
             self.assertAlmostEqual(found[1], high, places=4)
 
     def test_expectations_say_when_intervals_do_not_touch(self):
-        prototype = {"scenarios": ["left_turn"], "rdm collision": [[56, 100]], "predictive success": [[10, 40]]}
+        prototype = {"scenarios": ["left_turn"], "rdm collision": [[56, 100]], "predictive success": [[10, 40]], "random success": [[1, 40]]}
         reports = {"left_turn-rdm": report(0.44), "left_turn-predictive": report(0.98)}
         lines = tables.expectations(reports, prototype).splitlines()
         self.assertTrue(lines[2].endswith("| 56.0 [54.0, 58.0] | agree |"), lines[2])
         self.assertTrue(lines[3].endswith("| 98.0 [96.0, 100.0] | apart |"), lines[3])
+        self.assertTrue(lines[4].endswith("| not run yet |  |"), lines[4])
 
 
 class FlatConfiguration(unittest.TestCase):
