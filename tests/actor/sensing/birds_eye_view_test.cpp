@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/util/random.h"
 #include "tests/actor/test_maps.h"
 
 namespace dadrl {
@@ -68,6 +69,27 @@ TEST(BirdsEyeView, StraightRoadIsWhereArithmeticPutsIt) {
       const bool on_route = std::abs(p.y) <= 1.0 && p.x >= 0.0;
       const bool in_cap = p.x < 0.0 && std::hypot(p.x, p.y) <= 1.0;
       ASSERT_EQ(Pixel(planes, 1, row, column), on_route || in_cap) << row << ' ' << column;
+    }
+  }
+}
+
+// StraightRoad runs along y = 0; wherever the ego stands and looks, every pixel is where arithmetic puts it.
+TEST(BirdsEyeView, NoRoadIsLostAtAnyPose) {
+  const RoadMap map = test::StraightRoad();
+  const Route route = test::StraightRoute(map);
+  Random random(3);
+  for (int draw = 0; draw < 50; ++draw) {
+    const Pose ego{{random.Uniform(40.0, 160.0), random.Uniform(-5.0, 11.0)},
+                   random.Uniform(-std::numbers::pi, std::numbers::pi)};
+    const Planes planes = Draw(map, route, ego);
+    const Point ahead = Forward(ego.heading);
+    for (int row = 0; row < kSize; ++row) {
+      for (int column = 0; column < kSize; ++column) {
+        const Point p = PixelCentre(row, column);
+        const double y = ego.position.y + p.x * ahead.y + p.y * ahead.x;
+        if (std::abs(y + 1.6) < 0.15 || std::abs(y - 8.0) < 0.15) continue;
+        ASSERT_EQ(Pixel(planes, 0, row, column), y > -1.6 && y < 8.0) << draw << " " << row << " " << column;
+      }
     }
   }
 }
