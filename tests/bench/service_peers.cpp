@@ -215,6 +215,8 @@ void Mirror(const Config& config, uint64_t chunks, int replies_of, size_t reply_
   std::vector<uint8_t> bytes(reply_bytes, 0x5a);
   while (true) {
     requests->Take(1, [&](const dadrl_idl_BatchRequest& request) {
+      // What is written before the asking side's reader is known here is lost, and nobody asks again.
+      while (replies->matched() == 0) SystemClock().SleepFor(std::chrono::milliseconds(1));
       dadrl_idl_BatchReply reply{};
       reply.learner = request.learner;
       reply.request = request.request;
