@@ -1,6 +1,9 @@
 #include "common/io/checksum.h"
 
 #include <xxhash.h>
+#ifdef __x86_64__
+#include <xxh_x86dispatch.h>  // the same functions over the widest vectors that this processor has
+#endif
 
 #include <new>
 
