@@ -14,19 +14,11 @@ namespace dadrl {
 namespace {
 
 constexpr uint32_t kChunkMagic = 0x43584441;  // "ADXC"
-constexpr size_t kHeaderBytes = 56;
 constexpr size_t kChecksumBytes = 8;
 
 constexpr size_t PaddedFlags(size_t frames) { return (frames + 3) / 4 * 4; }
 constexpr size_t ColumnBytes(size_t frames) {
   return frames * (4 + sizeof(Action) + 4) + PaddedFlags(frames) + (frames + 1) * 4;
-}
-
-template <typename T>
-T Load(const std::byte* from, int index) {
-  T value;
-  std::memcpy(&value, from + static_cast<size_t>(index) * sizeof(T), sizeof(T));
-  return value;
 }
 
 }  // namespace
@@ -79,8 +71,8 @@ void ChunkBuilder::AddFrame(const Observation& observation, const Action& action
 
 bool ChunkBuilder::full() const {
   const size_t frames = flags_.size();
-  const size_t with_another =
-      kHeaderBytes + ColumnBytes(frames + 1) + payloads_.size() + codec_.max_payload_bytes() + kChecksumBytes;
+  const size_t with_another = kChunkHeaderBytes + ColumnBytes(frames + 1) + payloads_.size() +
+                              codec_.max_payload_bytes() + kChecksumBytes;
   return frames == kMaxChunkFrames || (frames > 0 && with_another > kMaxChunkBytes);
 }
 
@@ -88,7 +80,7 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
   assert(!flags_.empty());
   const size_t frames = flags_.size();
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderBytes + ColumnBytes(frames) + payloads_.size() + kChecksumBytes);
+  bytes.reserve(kChunkHeaderBytes + ColumnBytes(frames) + payloads_.size() + kChecksumBytes);
   ByteWriter writer(bytes);
   writer.Put(kChunkMagic);
   writer.Put(kExperienceVersion);
@@ -112,9 +104,9 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
 }
 
 Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
-  if (bytes.size() < kHeaderBytes + kChecksumBytes || bytes.size() > kMaxChunkBytes) {
+  if (bytes.size() < kChunkHeaderBytes + kChecksumBytes || bytes.size() > kMaxChunkBytes) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes; one has {} to {}", bytes.size(),
-                kHeaderBytes + kChecksumBytes, kMaxChunkBytes);
+                kChunkHeaderBytes + kChecksumBytes, kMaxChunkBytes);
   }
   ByteReader reader(bytes);
   if (reader.Get<uint32_t>() != kChunkMagic) return Fail(ErrorCode::kCorrupt, "chunk has no magic number");
@@ -138,19 +130,13 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   if (frames < 1 || frames > kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", frames, kMaxChunkFrames);
   }
-  const size_t expected = kHeaderBytes + ColumnBytes(frames) + payload_bytes + kChecksumBytes;
+  const size_t expected = kChunkHeaderBytes + ColumnBytes(frames) + payload_bytes + kChecksumBytes;
   if (bytes.size() != expected) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
   }
   if (Xxh3(bytes.first(bytes.size() - kChecksumBytes)) != Load<uint64_t>(&bytes[bytes.size() - 8], 0)) {
     return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
   }
-  view.policy_versions_ = bytes.data() + kHeaderBytes;
-  view.actions_ = view.policy_versions_ + frames * 4;
-  view.rewards_ = view.actions_ + frames * sizeof(Action);
-  view.flags_ = view.rewards_ + frames * 4;
-  view.offsets_ = view.flags_ + PaddedFlags(frames);
-  view.payloads_ = view.offsets_ + (frames + 1) * 4;
   view.payload_bytes_ = payload_bytes;
   if (header.identity.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.identity.sequence,
@@ -161,14 +147,6 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   }
   DADRL_RETURN_IF_ERROR(view.CheckFrames());
   return view;
-}
-
-void ChunkView::Rebase(std::span<const std::byte> copy) {
-  assert(copy.size() == bytes_.size());
-  for (const std::byte** column : {&policy_versions_, &actions_, &rewards_, &flags_, &offsets_, &payloads_}) {
-    *column = copy.data() + (*column - bytes_.data());
-  }
-  bytes_ = copy;
 }
 
 Status ChunkView::CheckFrames() const {
@@ -196,23 +174,14 @@ Status ChunkView::CheckFrames() const {
 }
 
 uint64_t ChunkView::checksum() const { return Load<uint64_t>(&bytes_[bytes_.size() - kChecksumBytes], 0); }
-uint32_t ChunkView::policy_version(int frame) const { return Load<uint32_t>(policy_versions_, frame); }
-Action ChunkView::action(int frame) const { return Load<Action>(actions_, frame); }
-float ChunkView::reward(int frame) const { return Load<float>(rewards_, frame); }
-uint8_t ChunkView::flags(int frame) const { return Load<uint8_t>(flags_, frame); }
-uint32_t ChunkView::offset(int frame) const { return Load<uint32_t>(offsets_, frame); }
 
 void ChunkView::PrefetchColumns(int frame) const {
   const auto at = static_cast<size_t>(frame);
-  Prefetch(policy_versions_ + 4 * at, 1);
-  Prefetch(actions_ + sizeof(Action) * at, 1);
-  Prefetch(rewards_ + 4 * at, 1);
-  Prefetch(flags_ + at, 1);
-  Prefetch(offsets_ + 4 * at, 1);
-}
-
-std::span<const std::byte> ChunkView::payload(int frame) const {
-  return {payloads_ + offset(frame), payloads_ + offset(frame + 1)};
+  Prefetch(policy_versions() + sizeof(uint32_t) * at, 1);
+  Prefetch(actions() + sizeof(Action) * at, 1);
+  Prefetch(rewards() + sizeof(float) * at, 1);
+  Prefetch(flag_bytes() + at, 1);
+  Prefetch(offsets() + sizeof(uint32_t) * at, 1);
 }
 
 }  // namespace dadrl

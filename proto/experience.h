@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,7 @@ constexpr uint32_t kExperienceVersion = 1;
 constexpr int kMaxChunkFrames = 64;
 // Nothing longer is ever accepted from a socket or a file.
 constexpr size_t kMaxChunkBytes = size_t{4} << 20;
+constexpr size_t kChunkHeaderBytes = 56;
 
 // Bits of a frame's flags.
 // A frame without an action is the final observation after a truncation: the last of its episode.
@@ -127,36 +129,47 @@ class ChunkView {
   static Result<ChunkView> Parse(std::span<const std::byte> bytes);
 
   // Looks at `copy` from now on: the same bytes at another place. Nothing is checked again.
-  void Rebase(std::span<const std::byte> copy);
+  void Rebase(std::span<const std::byte> copy) { bytes_ = copy; }
 
   const ChunkHeader& header() const { return header_; }
   int frames() const { return static_cast<int>(header_.frames); }
-  uint32_t policy_version(int frame) const;
-  Action action(int frame) const;
-  float reward(int frame) const;
-  uint8_t flags(int frame) const;
-  std::span<const std::byte> payload(int frame) const;
+  uint32_t policy_version(int frame) const { return Load<uint32_t>(policy_versions(), frame); }
+  Action action(int frame) const { return Load<Action>(actions(), frame); }
+  float reward(int frame) const { return Load<float>(rewards(), frame); }
+  uint8_t flags(int frame) const { return Load<uint8_t>(flag_bytes(), frame); }
+  std::span<const std::byte> payload(int frame) const {
+    return {payloads() + offset(frame), payloads() + offset(frame + 1)};
+  }
   // Asks for what describes `frame` before it is read.
   void PrefetchColumns(int frame) const;
   // Where the payload of `frame` begins among the payloads; offset(frames()) is their end.
-  uint32_t offset(int frame) const;
+  uint32_t offset(int frame) const { return Load<uint32_t>(offsets(), frame); }
   size_t payload_bytes() const { return payload_bytes_; }
   std::span<const std::byte> bytes() const { return bytes_; }
   // Of everything before it; tells the chunk from every other.
   uint64_t checksum() const;
 
  private:
+  template <typename T>
+  static T Load(const std::byte* from, int index) {
+    T value;
+    std::memcpy(&value, from + static_cast<size_t>(index) * sizeof(T), sizeof(T));
+    return value;
+  }
+
   Status CheckFrames() const;
+
+  // Where the columns begin. Computed: the replay holds very many views, and reads few of each.
+  const std::byte* policy_versions() const { return bytes_.data() + kChunkHeaderBytes; }
+  const std::byte* actions() const { return policy_versions() + header_.frames * sizeof(uint32_t); }
+  const std::byte* rewards() const { return actions() + header_.frames * sizeof(Action); }
+  const std::byte* flag_bytes() const { return rewards() + header_.frames * sizeof(float); }
+  const std::byte* offsets() const { return flag_bytes() + (header_.frames + size_t{3}) / 4 * 4; }
+  const std::byte* payloads() const { return offsets() + (header_.frames + size_t{1}) * sizeof(uint32_t); }
 
   std::span<const std::byte> bytes_;
   ChunkHeader header_;
   size_t payload_bytes_ = 0;
-  const std::byte* policy_versions_ = nullptr;
-  const std::byte* actions_ = nullptr;
-  const std::byte* rewards_ = nullptr;
-  const std::byte* flags_ = nullptr;
-  const std::byte* offsets_ = nullptr;
-  const std::byte* payloads_ = nullptr;
 };
 
 }  // namespace dadrl

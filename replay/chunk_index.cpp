@@ -121,8 +121,12 @@ void ChunkIndex::MakeItem(const Item& item) {
 }
 
 void ChunkIndex::RemoveItem(uint32_t slot) {
-  Item& item = items_[slot];
   selector_->Delete(slot);
+  FreeSlot(slot);
+}
+
+void ChunkIndex::FreeSlot(uint32_t slot) {
+  Item& item = items_[slot];
   if (remover_) remover_->Delete(slot);
   draws_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
                  (options_.max_times_sampled > 0 ? item.times_sampled : 0);
@@ -163,29 +167,36 @@ DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
   drawn.items.reserve(count);
   drawn.chunks.reserve(2 * count);
   drawn.segments.reserve(count);
-  // Memory is slower than all that is done here: a first pass asks for what the second reads.
-  std::vector<const StoredChunk*> chunks;
-  chunks.reserve(count);
-  const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
+  // Memory is slower than all that is done here: each pass asks for what the next one reads.
+  std::vector<uint32_t> slots;
+  slots.reserve(count);
+  std::vector<uint32_t> spent;
   for (size_t i = 0; i < count; ++i) {
     const Selector::Draw draw = selector_->Sample(random);
-    Item& item = items_[draw.slot];
-    DrawnItems::Item& out = drawn.items.emplace_back();
-    out.frame = item.frame;
-    out.probability = static_cast<float>(draw.probability);
-    chunks.push_back(item.chunk);
-    Prefetch(item.chunk, sizeof(StoredChunk));
-    if (item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
-    if (limit == 0) continue;
-    --draws_left_;
-    if (item.times_sampled >= limit) RemoveItem(draw.slot);
+    Prefetch(&items_[draw.slot], sizeof(Item));
+    slots.push_back(draw.slot);
+    drawn.items.emplace_back().probability = static_cast<float>(draw.probability);
+    if (options_.max_times_sampled > 0 && Spend(draw.slot)) spent.push_back(draw.slot);
   }
+  for (const uint32_t slot : slots) Prefetch(items_[slot].chunk, sizeof(StoredChunk));
   for (size_t i = 0; i < count; ++i) {
-    drawn.items[i].key = KeyOf(*chunks[i], drawn.items[i].frame);
-    AddChunks(*chunks[i], n_step, drawn.items[i], drawn);
+    Item& item = items_[slots[i]];
+    if (options_.max_times_sampled == 0 && item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
+    drawn.items[i].frame = item.frame;
+    drawn.items[i].key = KeyOf(*item.chunk, item.frame);
+    AddChunks(*item.chunk, n_step, drawn.items[i], drawn);
   }
+  for (const uint32_t slot : spent) FreeSlot(slot);
   SetImportance(drawn);
   return drawn;
+}
+
+bool ChunkIndex::Spend(uint32_t slot) {
+  Item& item = items_[slot];
+  --draws_left_;
+  if (++item.times_sampled < static_cast<uint32_t>(options_.max_times_sampled)) return false;
+  selector_->Delete(slot);
+  return true;
 }
 
 // The chunks that hold the frames of `item` and `n_step` more, as far as the episode goes.

@@ -102,7 +102,11 @@ class ChunkIndex {
   void SetAllPriorities(double priority);
   void RestoreItem(StoredChunk& chunk, size_t frame, float priority, uint32_t times_sampled);
   bool ItemsDiffer() const;
+  // Of an item that the selector no longer has.
+  void FreeSlot(uint32_t slot);
   void RemoveStale(StoredChunk& chunk);
+  // Counts a draw against max_times_sampled; true when it was the last: the selector no longer has the item.
+  bool Spend(uint32_t slot);
   bool TooStale(uint32_t policy_version) const;
   void DropOldest();
   void AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item, DrawnItems& drawn) const;
