@@ -68,6 +68,7 @@ Status ReplayService::AnnounceRun() {
   const Config& config = options_.config;
   std::string yaml = ToYaml(config, false);
   dadrl_idl_RunConfig message{};
+  message.port = config.cluster.port;
   message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
   message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
   DADRL_ASSIGN_OR_RETURN(run_config_, dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));

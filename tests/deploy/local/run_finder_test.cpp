@@ -25,6 +25,7 @@ class AnnouncedRun {
     node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0).value();
     writer_ = dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic).value();
     dadrl_idl_RunConfig message{};
+    message.port = config_.cluster.port;
     message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
     message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
     EXPECT_TRUE(writer_->Write(message));
