@@ -1,4 +1,4 @@
-// libFuzzer's entry; DADRL_FUZZ=ON builds it. Seeds: run the mutation test with DADRL_SEED_DIR=<folder>.
+// libFuzzer's entry; DADRL_FUZZ=ON builds it. Seeds: fuzz_seeds FOLDER.
 #include <cstddef>
 #include <cstdint>
 

@@ -2,10 +2,6 @@
 // build.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
 #include "common/util/random.h"
 #include "tests/fuzz/decoders.h"
 
@@ -61,19 +57,6 @@ TEST(DecoderMutation, PureNoiseBreaksNoDecoder) {
     std::vector<uint8_t> input(random.Below(400));
     for (uint8_t& byte : input) byte = static_cast<uint8_t>(random.Next());
     CheckDecoder(input);
-  }
-}
-
-TEST(DecoderMutation, WritesTheSeedsWhereAFuzzerWantsThem) {
-  const char* folder = std::getenv("DADRL_SEED_DIR");
-  if (folder == nullptr) GTEST_SKIP() << "DADRL_SEED_DIR names no folder";
-  const std::filesystem::path path = folder;
-  std::filesystem::create_directories(path);
-  int number = 0;
-  for (const auto& seed : SeedInputs()) {
-    std::ofstream file(path / std::to_string(number++), std::ios::binary);
-    file.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
-    EXPECT_TRUE(file.good());
   }
 }
 
