@@ -1,57 +1,17 @@
 // A training step and an acting step must not touch the heap.
-#include <atomic>
-#include <cstdlib>
-
 #include "common/model/acting_policy.h"
+#include "tests/common/allocation_counter.h"
 #include "tests/learner/algorithms/sac_fixture.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define DADRL_SANITIZED
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define DADRL_SANITIZED
-#endif
-#endif
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-#if !defined(DADRL_SANITIZED)  // which replace malloc themselves
-extern "C" {
-void* __libc_malloc(size_t size);
-void* __libc_calloc(size_t count, size_t size);
-void* __libc_realloc(void* old, size_t size);
-void* __libc_memalign(size_t alignment, size_t size);
-
-void* malloc(size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void* calloc(size_t count, size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* old, size_t size) {
-  ++allocations;
-  return __libc_realloc(old, size);
-}
-void* aligned_alloc(size_t alignment, size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-}
-#endif
 
 namespace dadrl {
 namespace {
 
-class AllocationTest : public testing::Test {
+using testing::Allocations;
+
+class AllocationTest : public ::testing::Test {
  protected:
   void SetUp() override {
-#if defined(DADRL_SANITIZED)
-    GTEST_SKIP() << "the sanitizer owns malloc";
-#endif
+    if (!testing::CountsAllocations()) GTEST_SKIP() << "the sanitizer owns malloc";
   }
 };
 
@@ -65,10 +25,10 @@ TEST_F(AllocationTest, UpdateAllocatesNothingAfterTheFirst) {
       Sac sac(config);
       const TransitionBatch batch = AnyBatch(ObservationSpec{}, 40, 1);
       ASSERT_TRUE(sac.Update(batch));
-      const long before = allocations;
+      const long before = Allocations();
       bool updated = true;
       for (int i = 0; i < 3; ++i) updated = updated && sac.Update(batch).has_value();
-      const long after = allocations;
+      const long after = Allocations();
       EXPECT_TRUE(updated);
       EXPECT_EQ(after, before) << threads << " threads";
     }
@@ -82,16 +42,16 @@ TEST_F(AllocationTest, ActAllocatesNothing) {
   ASSERT_TRUE(policy.Load(std::vector<float>(policy.parameter_count(), 0.01f)));
   const Observation observation(spec);
   Random random(1);
-  const long before = allocations;
+  const long before = Allocations();
   policy.Act(observation, &random);
   policy.Act(observation, nullptr);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(Allocations(), before);
 }
 
 TEST_F(AllocationTest, TheCounterCounts) {
-  const long before = allocations;
+  const long before = Allocations();
   const Sac sac{Config{}};
-  EXPECT_GT(allocations, before);
+  EXPECT_GT(Allocations(), before);
 }
 
 }  // namespace
