@@ -3,28 +3,31 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "common/config/config_yaml.h"
+#include "common/config/validate.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/shipped_policies.h"
 
 namespace dadrl {
 
-Status CheckPolicy(const std::string& policy, const std::string& scenario, Config& config) {
+namespace {
+
+// The scenario a policy file was trained on; nothing for a word that is no file: the name of a scripted
+// driver.
+Result<std::optional<std::string>> TrainedScenario(const std::string& policy) {
   std::error_code error;
-  const bool is_file = std::filesystem::exists(policy, error);
   const bool looks_like_file = policy.find_first_of("/.") != std::string::npos;
-  if (!is_file && !looks_like_file) {
-    if (!scenario.empty()) return {};
-    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}", policy,
-                fmt::join(ScenarioNames(), ", "));
-  }
+  if (!looks_like_file && !std::filesystem::exists(policy, error)) return std::nullopt;
   DADRL_ASSIGN_OR_RETURN(const PolicyFile file, LoadPolicy(policy));
-  if (scenario.empty()) config.scenario = file.config.scenario;
-  return {};
+  return file.config.scenario;
 }
+
+}  // namespace
 
 Result<SharedConfig> SharedConfig::Create(const Config& config) {
   FileDescriptor file(memfd_create("config", MFD_CLOEXEC));
@@ -35,6 +38,30 @@ Result<SharedConfig> SharedConfig::Create(const Config& config) {
 
 std::filesystem::path SharedConfig::path() const {
   return fmt::format("/proc/{}/fd/{}", getpid(), file_.get());
+}
+
+void DriverOptions::AddTo(CLI::App& app, const std::string& scenario_help) {
+  app.add_option("--policy", policy,
+                 "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
+                 "rdm, slow, idm, predictive")
+      ->required();
+  app.add_option("--scenario", scenario, scenario_help);
+}
+
+Result<Driver> DriverOptions::Resolve() const {
+  DADRL_ASSIGN_OR_RETURN(Config effective, config.Apply(Config{}));
+  DADRL_ASSIGN_OR_RETURN(std::string resolved, ResolvePolicy(policy));
+  DADRL_ASSIGN_OR_RETURN(const std::optional<std::string> trained, TrainedScenario(resolved));
+  if (scenario.empty() && !trained) {
+    return Fail(ErrorCode::kInvalidArgument, "--scenario is needed with --policy {}; there are: {}", policy,
+                fmt::join(ScenarioNames(), ", "));
+  }
+  effective.scenario = scenario.empty() ? *trained : scenario;
+  DADRL_RETURN_IF_ERROR(CheckScenario(effective.scenario));
+  DADRL_RETURN_IF_ERROR(Validate(effective));
+  DADRL_ASSIGN_OR_RETURN(std::filesystem::path program, FindExecutable("dadrl-actor"));
+  DADRL_ASSIGN_OR_RETURN(SharedConfig shared, SharedConfig::Create(effective));
+  return Driver{std::move(program), std::move(resolved), std::move(effective), std::move(shared)};
 }
 
 }  // namespace dadrl

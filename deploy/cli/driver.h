@@ -7,13 +7,9 @@
 #include "common/config/config.h"
 #include "common/io/file_descriptor.h"
 #include "common/util/result.h"
+#include "deploy/cli/command.h"
 
 namespace dadrl {
-
-// Reads a policy (as ResolvePolicy returns it) that is a file, so that a damaged one is one clear message;
-// any other word is left to dadrl-actor, which knows the scripted drivers. Without a `scenario`, puts the one
-// a learned policy was trained on into `config`; kInvalidArgument when there is none to take.
-Status CheckPolicy(const std::string& policy, const std::string& scenario, Config& config);
 
 // An effective configuration as a file that child processes can open while this object lives.
 class SharedConfig {
@@ -24,6 +20,27 @@ class SharedConfig {
  private:
   explicit SharedConfig(FileDescriptor file) : file_(std::move(file)) {}
   FileDescriptor file_;
+};
+
+// Ready to be handed to dadrl-actor.
+struct Driver {
+  std::filesystem::path program;  // dadrl-actor
+  std::string policy;             // a file, or the name of a scripted driver
+  Config config;                  // effective; its scenario is the one to drive
+  SharedConfig shared;            // the same as a file
+};
+
+// Who drives, and where.
+struct DriverOptions {
+  std::string policy;    // a file, pretrained:NAME or a scripted driver
+  std::string scenario;  // empty: the one a learned policy was trained on
+  ConfigOptions config;
+
+  // --policy and --scenario; the configuration's options are left to `config.AddTo`.
+  void AddTo(CLI::App& app, const std::string& scenario_help);
+  // Reads a policy that is a file, so that a damaged one is one clear message; any other word is left to
+  // dadrl-actor, which knows the scripted drivers. kInvalidArgument also when no scenario can be told.
+  Result<Driver> Resolve() const;
 };
 
 }  // namespace dadrl

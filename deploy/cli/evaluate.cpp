@@ -6,21 +6,17 @@
 #include <optional>
 #include <thread>
 
-#include "common/config/validate.h"
 #include "common/io/atomic_file.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/driver.h"
 #include "deploy/local/evaluation_job.h"
-#include "deploy/local/executables.h"
-#include "deploy/local/shipped_policies.h"
 #include "deploy/local/signals.h"
 
 namespace dadrl {
 namespace {
 
 struct EvaluateOptions {
-  std::string policy;
-  std::string scenario;
+  DriverOptions driver;
   int episodes = 50;
   int groups = 5;
   uint64_t first_seed = kFirstEvaluationSeed;
@@ -29,7 +25,6 @@ struct EvaluateOptions {
   std::optional<double> impatience;
   bool json = false;
   std::string csv;
-  ConfigOptions config;
 };
 
 constexpr int kTickMs = 200;
@@ -60,24 +55,16 @@ std::vector<std::string> PolicyArguments(const EvaluateOptions& options) {
 
 Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
-  DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
-  if (!options.scenario.empty()) config.scenario = options.scenario;
-  DADRL_ASSIGN_OR_RETURN(const std::string policy, ResolvePolicy(options.policy));
-  DADRL_RETURN_IF_ERROR(CheckPolicy(policy, options.scenario, config));
-  DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
-  DADRL_RETURN_IF_ERROR(Validate(config));
-  DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
-  DADRL_ASSIGN_OR_RETURN(const SharedConfig shared, SharedConfig::Create(config));
-
+  DADRL_ASSIGN_OR_RETURN(const Driver driver, options.driver.Resolve());
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   DADRL_ASSIGN_OR_RETURN(
       EvaluationJob job,
-      EvaluationJob::Create({.program = program,
-                             .policy = policy,
-                             .policy_label = options.policy,
+      EvaluationJob::Create({.program = driver.program,
+                             .policy = driver.policy,
+                             .policy_label = options.driver.policy,
                              .policy_arguments = PolicyArguments(options),
-                             .scenario = config.scenario,
-                             .config = shared.path(),
+                             .scenario = driver.config.scenario,
+                             .config = driver.shared.path(),
                              .first_seed = options.first_seed,
                              .groups = options.groups,
                              .episodes = options.episodes,
@@ -104,12 +91,8 @@ Command MakeEvaluateCommand(CLI::App& dadrl) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* app =
       dadrl.add_subcommand("evaluate", "Drive unseen traffic with a policy and report how it went");
-  app->add_option("--policy", options->policy,
-                  "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
-                  "rdm, slow, idm, predictive")
-      ->required();
-  app->add_option("--scenario", options->scenario,
-                  "Name, or all: every episode in each (default: what the policy was trained on)");
+  options->driver.AddTo(*app,
+                        "Name, or all: every episode in each (default: what the policy was trained on)");
   app->add_option("--episodes", options->episodes, "Of each seed group (default 50)")
       ->check(CLI::Range(1, 1000));
   app->add_option("--seeds", options->groups, "Seed groups (default 5)")->check(CLI::Range(1, 1000));
@@ -124,7 +107,7 @@ Command MakeEvaluateCommand(CLI::App& dadrl) {
       ->check(CLI::Range(0.0, 1.0));
   app->add_flag("--json", options->json, "One JSON object on standard output");
   app->add_option("--csv", options->csv, "Also write a row an episode to this file")->type_name("FILE");
-  options->config.AddTo(*app);
+  options->driver.config.AddTo(*app);
   return {app, [options] { return RunEvaluate(*options); }};
 }
 

@@ -6,12 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/config/validate.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/driver.h"
 #include "deploy/local/captured_process.h"
-#include "deploy/local/executables.h"
-#include "deploy/local/shipped_policies.h"
 #include "deploy/local/signals.h"
 #include "proto/evaluation/episode_line.h"
 #include "proto/evaluation/rendered_episode.h"
@@ -21,15 +18,13 @@ namespace dadrl {
 namespace {
 
 struct RenderOptions {
-  std::string policy;
-  std::string scenario;
+  DriverOptions driver;
   std::string out;
   std::optional<uint64_t> seed;
   std::string seeds;
   std::string outcome;
   std::vector<std::string> passed_on;  // options that only dadrl-actor looks at
   bool json = false;
-  ConfigOptions config;
 
   bool gallery() const { return !seeds.empty(); }
 };
@@ -126,7 +121,7 @@ nlohmann::ordered_json EpisodeJson(const RenderedEpisode& episode) {
 
 void PrintJson(const RenderOptions& options, const std::string& scenario,
                const std::vector<RenderedEpisode>& episodes) {
-  nlohmann::ordered_json json = {{"scenario", scenario}, {"policy", options.policy}};
+  nlohmann::ordered_json json = {{"scenario", scenario}, {"policy", options.driver.policy}};
   if (options.gallery()) {
     json["driven"] = episodes.size();
     json["episodes"] = nlohmann::ordered_json::array();
@@ -156,20 +151,13 @@ void PrintText(const RenderOptions& options, const std::vector<RenderedEpisode>&
 
 Result<int> RunRender(const RenderOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
-  DADRL_ASSIGN_OR_RETURN(Config config, options.config.Apply(Config{}));
-  if (!options.scenario.empty()) config.scenario = options.scenario;
-  DADRL_ASSIGN_OR_RETURN(const std::string policy, ResolvePolicy(options.policy));
-  DADRL_RETURN_IF_ERROR(CheckPolicy(policy, options.scenario, config));
-  DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
-  DADRL_RETURN_IF_ERROR(Validate(config));
+  DADRL_ASSIGN_OR_RETURN(const Driver driver, options.driver.Resolve());
   SeedRange seeds{options.seed.value_or(kFirstEvaluationSeed), 1};
   if (options.gallery()) {
     DADRL_ASSIGN_OR_RETURN(seeds, ParseSeedRange(options.seeds));
   }
-  DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
-  DADRL_ASSIGN_OR_RETURN(const SharedConfig shared, SharedConfig::Create(config));
-  std::vector<std::string> command = {program,    "render",      "--policy", policy,
-                                      "--config", shared.path(), "--out",    options.out};
+  std::vector<std::string> command = {driver.program,       "render", "--policy", driver.policy, "--config",
+                                      driver.shared.path(), "--out",  options.out};
   if (!options.outcome.empty()) command.insert(command.end(), {"--outcome", options.outcome});
   command.insert(command.end(), options.passed_on.begin(), options.passed_on.end());
   RenderJob job(std::move(command), seeds, options.gallery());
@@ -179,7 +167,7 @@ Result<int> RunRender(const RenderOptions& options) {
     return Fail(ErrorCode::kInternal, "seed {}: {}", episodes.front().seed, episodes.front().error);
   }
   if (options.json) {
-    PrintJson(options, config.scenario, episodes);
+    PrintJson(options, driver.config.scenario, episodes);
   } else {
     PrintText(options, episodes);
   }
@@ -191,11 +179,7 @@ Result<int> RunRender(const RenderOptions& options) {
 Command MakeRenderCommand(CLI::App& dadrl) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* app = dadrl.add_subcommand("render", "Draw what happens in an episode");
-  app->add_option("--policy", options->policy,
-                  "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
-                  "rdm, slow, idm, predictive")
-      ->required();
-  app->add_option("--scenario", options->scenario, "Default: the one the policy was trained on");
+  options->driver.AddTo(*app, "Default: the one the policy was trained on");
   app->add_option("--out", options->out,
                   "FILE.svg: an animation; FILE.png: a strip of moments; FOLDER/: a frame for each moment")
       ->required();
@@ -222,7 +206,7 @@ Command MakeRenderCommand(CLI::App& dadrl) {
   pass_on("--from", "Begin of the part to draw", "SECONDS", CLI::NonNegativeNumber);
   pass_on("--to", "End of the part to draw (default: the episode's)", "SECONDS", CLI::NonNegativeNumber);
   app->add_flag("--json", options->json, "One JSON object on standard output");
-  options->config.AddTo(*app);
+  options->driver.config.AddTo(*app);
   return {app, [options] { return RunRender(*options); }};
 }
 

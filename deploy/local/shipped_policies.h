@@ -1,5 +1,5 @@
 // Trained policies that come with the program: NAME.dadrl, and NAME.json on where it comes from (written by
-// deploy/results/ship_policy.py).
+// deploy/results/record_run.py --ship).
 #pragma once
 
 #include <filesystem>
