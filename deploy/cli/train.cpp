@@ -136,6 +136,7 @@ Command MakeTrainCommand(CLI::App& dadrl) {
   app->add_option("--run-dir", options->run_dir, "Where the run lives (default: runs/SCENARIO-TIME)")
       ->type_name("DIR");
   options->config.AddTo(*app);
+  app->footer("Recipes of the policies that ship: --config deploy/config/scenarios/SCENARIO.yaml");
   return {app, [options] { return RunTrain(*options); }};
 }
 
