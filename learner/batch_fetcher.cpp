@@ -163,7 +163,22 @@ void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
     return;
   }
   frames_held_.store(book_.frames_held(), std::memory_order_relaxed);
+  if (reply.refusal[0] != '\0') return OnRefusal(reply);
   if (reply.bytes._length > 0) Decode(reply);
+}
+
+// Asking again would not help: this is the end of the thread.
+void BatchFetcher::OnRefusal(const dadrl_idl_BatchReply& reply) {
+  MutexLock lock(mutex_);
+  status_ = Fail(ErrorCode::kInvalidArgument,
+                 "replay {} refuses to serve this learner: {}; start both with the configuration of the run",
+                 reply.shard, reply.refusal);
+  stopping_.store(true);
+}
+
+Status BatchFetcher::status() const {
+  MutexLock lock(mutex_);
+  return status_;
 }
 
 void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {

@@ -13,6 +13,7 @@
 #include "common/dds/node.h"
 #include "common/util/bounded_queue.h"
 #include "common/util/clock.h"
+#include "common/util/mutex.h"
 #include "common/util/result.h"
 #include "learner/batch_source.h"
 #include "learner/priority_sender.h"
@@ -36,7 +37,7 @@ struct FetchStats {
 };
 
 // Owns a thread that asks, receives and decodes, and learner.credits batches for each shard that go round.
-// Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; stats: any.
+// Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; others: any.
 class BatchFetcher final : public BatchSource {
  public:
   struct Options {
@@ -56,6 +57,8 @@ class BatchFetcher final : public BatchSource {
   void Release(TransitionBatch* batch) override;
   void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
   Activity waiting_for() const override { return waiting_for_.load(std::memory_order_relaxed); }
+  // kInvalidArgument: a shard refuses to serve this learner, since their configurations differ.
+  Status status() const override DADRL_EXCLUDES(mutex_);
 
   FetchStats stats() const;
 
@@ -78,6 +81,7 @@ class BatchFetcher final : public BatchSource {
   void RepeatAfterRematch();
   void SendDue();
   void OnReply(const dadrl_idl_BatchReply& reply);
+  void OnRefusal(const dadrl_idl_BatchReply& reply) DADRL_EXCLUDES(mutex_);
   void Decode(const dadrl_idl_BatchReply& reply);
   void DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error);
   void UpdateReasonToWait();
@@ -96,6 +100,8 @@ class BatchFetcher final : public BatchSource {
   BoundedQueue<Slot*> free_;
   std::atomic<Activity> waiting_for_{Activity::kWaitForReplay};
   std::atomic<bool> stopping_{false};
+  mutable Mutex mutex_;
+  Status status_ DADRL_GUARDED_BY(mutex_);
 
   // The fetcher's thread.
   RequestBook book_;

@@ -6,6 +6,7 @@
 
 #include "common/model/transition_batch.h"
 #include "common/util/clock.h"
+#include "common/util/result.h"
 #include "common/util/time_ledger.h"
 
 namespace dadrl {
@@ -28,6 +29,8 @@ class BatchSource {
   // Why there is no batch now: kWaitForBatch (one is under way), kWaitForInserts (the replay withholds it),
   // kWaitForReplay (no replay is there).
   virtual Activity waiting_for() const = 0;
+  // The failure after which no batch will come any more; it ends the training.
+  virtual Status status() const = 0;
 };
 
 }  // namespace dadrl

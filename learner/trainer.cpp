@@ -62,7 +62,10 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     DADRL_RETURN_IF_ERROR(Publish());
   }
   TransitionBatch* batch = WaitForBatch(timeout);
-  if (batch == nullptr) return Step::kNoBatch;
+  if (batch == nullptr) {
+    DADRL_RETURN_IF_ERROR(parts_.batches.status());
+    return Step::kNoBatch;
+  }
   ledger_.Enter(Activity::kWork);
   auto stats = parts_.algorithm.Update(*batch);
   if (!stats) {

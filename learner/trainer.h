@@ -56,7 +56,7 @@ class Trainer {
   enum class Step { kNoBatch, kUpdated };
   // Waits for a batch, at most `timeout`, and trains on it; publishes and checkpoints when due. The first
   // policy is published after the first update (actors drive at random until then), a resumed one at once.
-  // Errors: what Algorithm::Update says; nothing is published or saved from then on.
+  // Errors: what Algorithm::Update and BatchSource::status say; nothing is published or saved from then on.
   Result<Step> RunStep(Duration timeout);
 
   // Steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for it. Returns why it

@@ -51,8 +51,7 @@ class TableBatchSource final : public BatchSource {
   void Release(TransitionBatch* batch) override;
   void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
   Activity waiting_for() const override { return Activity::kWaitForInserts; }
-
-  const Status& status() const { return status_; }
+  Status status() const override { return status_; }
 
  private:
   Status Fill();

@@ -101,7 +101,6 @@ class Lockstep {
   Status TrainWhileAllowed() {
     while (!stop_ && !EndReached()) {
       DADRL_ASSIGN_OR_RETURN(const Trainer::Step step, trainer_.RunStep(Duration::zero()));
-      DADRL_RETURN_IF_ERROR(batches_.status());
       if (step == Trainer::Step::kNoBatch) return {};
       ++updates_;
       clock_.Advance(FromSeconds(kLockstepUpdateSeconds));

@@ -67,43 +67,55 @@ void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
   if (message.shard != shard_ || message.learner < learner_) return;
   if (message.learner > learner_) pending_.clear();
   learner_ = message.learner;
-  if (message.schema != table_.schema()) {
-    return Refuse(fmt::format("the learner's observations have schema {:#x}, this replay holds {:#x}",
-                              message.schema, table_.schema()));
-  }
-  if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
-    return Refuse(fmt::format("a batch of {} is not between 1 and {}", message.batch_size, kMaxBatch));
-  }
-  const auto longest = static_cast<uint32_t>(table_.sequence_length());
-  if (message.sequence_length > longest) {
-    return Refuse(
-        fmt::format("sequences of {} decisions; this replay was started with replay.sequence_length {}",
-                    message.sequence_length, longest));
-  }
-  if (message.sequence_length == 0 &&
-      (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
-    return Refuse(fmt::format("slices of {} steps; this replay was started with algorithm.n_step {}",
-                              message.n_step, table_.n_step()));
-  }
   const auto known = std::find_if(pending_.begin(), pending_.end(),
                                   [&](const Request& request) { return request.number == message.request; });
   if (known != pending_.end()) {
     known->told = false;  // who asks again, hears again
     return;
   }
-  if (pending_.size() >= kMaxPending) return Refuse("too many requests at once");
-  pending_.push_back({.learner = message.learner,
-                      .number = message.request,
-                      .batch_size = message.batch_size,
-                      .n_step = static_cast<int>(message.n_step),
-                      .sequence_length = static_cast<int>(message.sequence_length),
-                      .policy_version = message.policy_version,
-                      .told = false,
-                      .prepared = {}});
+  const Request request{.learner = message.learner,
+                        .number = message.request,
+                        .batch_size = message.batch_size,
+                        .n_step = static_cast<int>(message.n_step),
+                        .sequence_length = static_cast<int>(message.sequence_length),
+                        .policy_version = message.policy_version,
+                        .told = false,
+                        .prepared = {}};
+  if (const Status possible = Check(message); !possible) return Refuse(request, possible.error().message);
+  if (pending_.size() >= kMaxPending) return Refuse(request, "too many requests at once");
+  pending_.push_back(request);
 }
 
-void BatchServer::Refuse(const std::string& reason) {
+Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
+  if (message.schema != table_.schema()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "the learner's observations have schema {:#x}, this replay holds {:#x}", message.schema,
+                table_.schema());
+  }
+  if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
+    return Fail(ErrorCode::kInvalidArgument, "a batch of {} is not between 1 and {}", message.batch_size,
+                kMaxBatch);
+  }
+  const auto longest = static_cast<uint32_t>(table_.sequence_length());
+  if (message.sequence_length > longest) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "sequences of {} decisions; this replay was started with replay.sequence_length {}",
+                message.sequence_length, longest);
+  }
+  if (message.sequence_length == 0 &&
+      (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "slices of {} steps; this replay was started with algorithm.n_step {}", message.n_step,
+                table_.n_step());
+  }
+  return {};
+}
+
+// Should the word of it be lost, the learner asks again.
+void BatchServer::Refuse(const Request& request, const std::string& reason) {
   if (refused_.fetch_add(1) == 0) spdlog::error("refused a batch request (more are counted): {}", reason);
+  std::vector<std::byte> nothing;
+  if (endpoints_.replies->matched() > 0) static_cast<void>(Reply(request, nothing, reason));
 }
 
 void BatchServer::TakePriorities() {
@@ -157,13 +169,14 @@ bool BatchServer::Prepare(Request& request) {
   on_sample_();
   request.prepared = std::move(*bytes);
   if (request.prepared.size() <= kMaxReplyBytes) return true;
-  Refuse(fmt::format("a batch of {} takes {} bytes, at most {} can be sent", request.batch_size,
-                     request.prepared.size(), kMaxReplyBytes));
-  request.prepared.clear();
+  Refuse(request, fmt::format("a batch of {} takes {} bytes, at most {} can be sent; lower "
+                              "algorithm.batch_size or replay.sequence_length",
+                              request.batch_size, request.prepared.size(), kMaxReplyBytes));
+  pending_.pop_front();
   return false;
 }
 
-Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes) {
+Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal) {
   const ReplayTable::Stats stats = table_.stats();
   dadrl_idl_BatchReply message{};
   message.shard = shard_;
@@ -171,6 +184,7 @@ Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes)
   message.request = request.number;
   message.frames_held = stats.items;
   message.frames_inserted = stats.inserted_frames;
+  std::copy_n(refusal.data(), std::min(refusal.size(), sizeof(message.refusal) - 1), message.refusal);
   message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
   message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
   return endpoints_.replies->Write(message);

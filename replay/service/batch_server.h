@@ -65,14 +65,16 @@ class BatchServer {
               std::function<void()> on_sample);
   void TakeRequests();
   void OnRequest(const dadrl_idl_BatchRequest& message);
-  void Refuse(const std::string& reason);
+  // Whether the request can ever be served; its message is for the learner.
+  Status Check(const dadrl_idl_BatchRequest& message) const;
+  void Refuse(const Request& request, const std::string& reason);
   void TakePriorities();
   // Serves what may be served; true when a request has to wait for inserts.
   bool ServePending();
   Result<std::vector<std::byte>> Sample(const Request& request);
   // Draws the batch of a request that may be served. False: not now.
   bool Prepare(Request& request);
-  Status Reply(const Request& request, std::vector<std::byte>& bytes);
+  Status Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal = {});
 
   const Endpoints endpoints_;
   const uint32_t shard_;

@@ -179,6 +179,23 @@ TEST_F(BatchFetcherTest, SaysWhatItWaitsFor) {
   fetcher_->Release(batch);
 }
 
+TEST_F(BatchFetcherTest, StopsAndSaysWhyWhenAShardRefusesToServeIt) {
+  StartFetcher();
+  const auto shard = StartShard();
+  const auto requests = shard->AwaitRequests(2);
+  shard->Reply(kIncarnation, requests[0].request, Batch(1));
+  shard->Refuse(kIncarnation, requests[1].request, "slices of 3 steps");
+  ASSERT_TRUE(Eventually([&] { return !fetcher_->status(); }));
+  EXPECT_EQ(fetcher_->status().error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(fetcher_->status().error().message, testing::HasSubstr("replay 0 refuses"));
+  EXPECT_THAT(fetcher_->status().error().message, testing::HasSubstr("slices of 3 steps"));
+  // What came before can still be trained on.
+  TransitionBatch* batch = fetcher_->Take(kPatience);
+  ASSERT_NE(batch, nullptr);
+  fetcher_->Release(batch);
+  EXPECT_EQ(fetcher_->Take(Duration::zero()), nullptr);
+}
+
 TEST_F(BatchFetcherTest, SendsPrioritiesToTheShardThatTheBatchCameFrom) {
   config_.replay.shards = 2;
   StartFetcher();

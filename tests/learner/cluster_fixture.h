@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/config/config.h"
@@ -87,6 +88,15 @@ class TestShard {
     auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
     reply.bytes = {length, length, buffer, false};
     return replies_->Write(reply);
+  }
+  void Refuse(uint64_t learner, uint64_t request, const std::string& reason) {
+    ASSERT_TRUE(dds::Eventually([&] { return replies_->matched() > 0; }));
+    dadrl_idl_BatchReply reply{};
+    reply.shard = index_;
+    reply.learner = learner;
+    reply.request = request;
+    reason.copy(reply.refusal, sizeof(reply.refusal) - 1);
+    ASSERT_TRUE(replies_->Write(reply));
   }
   dds::Reader<dadrl_idl_PriorityUpdate>& priorities() { return *priorities_; }
 

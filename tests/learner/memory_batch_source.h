@@ -39,12 +39,14 @@ class MemoryBatchSource final : public BatchSource {
     priorities.assign(td_error.begin(), td_error.end());
   }
   Activity waiting_for() const override { return Activity::kWaitForInserts; }
+  Status status() const override { return failure; }
 
   int available = 1 << 30;
   int lent = 0;
   bool poisoned = false;  // a reward of each batch is not a number
   uint32_t acting_version = 0;
   std::vector<float> priorities;
+  Status failure;
 
  private:
   TransitionBatch batch_;

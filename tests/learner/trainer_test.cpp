@@ -87,6 +87,17 @@ TEST_F(TrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
   EXPECT_EQ(CheckpointStore::Open(folder_.path(), 3)->LoadNewest().value()->checkpoint.updates, 3u);
 }
 
+TEST_F(TrainerTest, EndsWithTheReasonWhenNoBatchWillComeAnyMore) {
+  TestLearner learner(config_, folder_.path(), false);
+  learner.batches.available = 1;
+  learner.batches.failure = Fail(ErrorCode::kInvalidArgument, "the replay is another one");
+  const std::atomic<bool> never{false};
+  const auto ended = learner.trainer->Run(never);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().message, "the replay is another one");
+  EXPECT_EQ(learner.trainer->TakeInterval().updates, 1u);
+}
+
 TEST_F(TrainerTest, PolicyThatIsNotFiniteIsNeitherPublishedNorSaved) {
   TestLearner run(config_, folder_.path(), false);
   run.Steps(1);
