@@ -24,25 +24,26 @@ void Count(std::atomic<uint64_t>& counter, uint64_t by = 1) {
 
 }  // namespace
 
-Result<std::unique_ptr<BatchFetcher>> BatchFetcher::Create(const dds::Node& node, const Config& config,
-                                                           uint64_t incarnation,
-                                                           std::function<uint32_t()> newest_version,
-                                                           const Options& options) {
+template <typename Batch>
+Result<std::unique_ptr<BatchFetcher<Batch>>> BatchFetcher<Batch>::Create(
+    const dds::Node& node, const Config& config, uint64_t incarnation,
+    std::function<uint32_t()> newest_version, const FetchOptions& options) {
+  DADRL_RETURN_IF_ERROR(BatchKind<Batch>::Check(config));
   Endpoints endpoints;
   DADRL_ASSIGN_OR_RETURN(endpoints.requests,
                          dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.replies,
                          dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.priorities, PrioritySender::Create(node));
-  return std::unique_ptr<BatchFetcher>(
+  return std::unique_ptr<BatchFetcher<Batch>>(
       new BatchFetcher(std::move(endpoints), config, incarnation, std::move(newest_version), options));
 }
 
-BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
-                           std::function<uint32_t()> newest_version, const Options& options)
+template <typename Batch>
+BatchFetcher<Batch>::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
+                                  std::function<uint32_t()> newest_version, const FetchOptions& options)
     : endpoints_(std::move(endpoints)),
-      algorithm_(config.algorithm),
-      shards_(config.replay.shards),
+      config_(config),
       schema_(SchemaHash(ObservationSpec::From(config.observation))),
       incarnation_(incarnation),
       newest_version_(std::move(newest_version)),
@@ -52,44 +53,49 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t i
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
       codec_(ObservationSpec::From(config.observation), config.actor.floats) {
   for (size_t i = 0; i < SlotCount(config); ++i) {
-    slots_.push_back(std::make_unique<Slot>(
-        Slot{TransitionBatch(ObservationSpec::From(config.observation), algorithm_.batch_size), 0}));
+    slots_.push_back(std::make_unique<Slot>(Slot{BatchKind<Batch>::Make(config), 0}));
     Slot* slot = slots_.back().get();
     static_cast<void>(free_.TryPush(slot));  // has room for all
   }
   thread_ = std::thread([this] { Run(); });
 }
 
-BatchFetcher::~BatchFetcher() {
+template <typename Batch>
+BatchFetcher<Batch>::~BatchFetcher() {
   stopping_.store(true);
   endpoints_.replies->Wake();
   thread_.join();
 }
 
-TransitionBatch* BatchFetcher::Take(Duration timeout) {
+template <typename Batch>
+Batch* BatchFetcher<Batch>::Take(Duration timeout) {
   const std::optional<Slot*> slot = ready_.Pop(timeout);
   if (!slot) return nullptr;
   endpoints_.replies->Wake();  // a credit is free
   return &(*slot)->batch;
 }
 
-void BatchFetcher::Release(TransitionBatch* batch) {
+template <typename Batch>
+void BatchFetcher<Batch>::Release(Batch* batch) {
   Slot* slot = &SlotOf(*batch);
   static_cast<void>(free_.TryPush(slot));  // has room for all
 }
 
-void BatchFetcher::UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) {
+template <typename Batch>
+void BatchFetcher<Batch>::UpdatePriorities(const Batch& batch, std::span<const float> td_error) {
   endpoints_.priorities->Send(SlotOf(batch).shard, batch.key, td_error);
 }
 
-BatchFetcher::Slot& BatchFetcher::SlotOf(const TransitionBatch& batch) {
+template <typename Batch>
+typename BatchFetcher<Batch>::Slot& BatchFetcher<Batch>::SlotOf(const Batch& batch) {
   const auto slot = std::find_if(slots_.begin(), slots_.end(),
                                  [&](const auto& candidate) { return &candidate->batch == &batch; });
   assert(slot != slots_.end());
   return **slot;
 }
 
-FetchStats BatchFetcher::stats() const {
+template <typename Batch>
+FetchStats BatchFetcher<Batch>::stats() const {
   return {.batches = batches_.load(),
           .bytes = bytes_.load(),
           .corrupt = corrupt_.load(),
@@ -101,7 +107,8 @@ FetchStats BatchFetcher::stats() const {
           .frames_held = frames_held_.load()};
 }
 
-void BatchFetcher::Run() {
+template <typename Batch>
+void BatchFetcher<Batch>::Run() {
   while (!stopping_.load()) {
     RepeatAfterRematch();
     SendDue();
@@ -112,17 +119,22 @@ void BatchFetcher::Run() {
   }
 }
 
-Duration BatchFetcher::WaitTime() const {
+template <typename Batch>
+Duration BatchFetcher<Batch>::WaitTime() const {
   if (!can_ask()) return kLongestWait;
   const TimePoint now = clock_.Now();
   return std::clamp<Duration>(book_.next_due(now) - now, Duration::zero(), kLongestWait);
 }
 
 // A request that nobody reads, or that cannot be answered, is lost: hold it.
-bool BatchFetcher::can_ask() const { return endpoints_.requests->matched() > 0 && matched_repliers_ > 0; }
+template <typename Batch>
+bool BatchFetcher<Batch>::can_ask() const {
+  return endpoints_.requests->matched() > 0 && matched_repliers_ > 0;
+}
 
 // A shard came back: what it was asked before is forgotten there. Either side may be the last to be matched.
-void BatchFetcher::RepeatAfterRematch() {
+template <typename Batch>
+void BatchFetcher<Batch>::RepeatAfterRematch() {
   const uint64_t generation = endpoints_.requests->match_generation();
   const int repliers = endpoints_.replies->matched();
   if (generation != match_generation_ || repliers > matched_repliers_) book_.RepeatAll();
@@ -130,15 +142,15 @@ void BatchFetcher::RepeatAfterRematch() {
   matched_repliers_ = repliers;
 }
 
-void BatchFetcher::SendDue() {
+template <typename Batch>
+void BatchFetcher<Batch>::SendDue() {
   if (!can_ask()) return;
   for (const RequestBook::Request& request : book_.Due(clock_.Now(), static_cast<int>(ready_.size()))) {
     dadrl_idl_BatchRequest sample{};
     sample.shard = request.shard;
     sample.learner = incarnation_;
     sample.request = request.number;
-    sample.batch_size = static_cast<uint32_t>(algorithm_.batch_size);
-    sample.n_step = static_cast<uint32_t>(algorithm_.n_step);
+    BatchKind<Batch>::Describe(config_, sample);
     sample.schema = schema_;
     sample.policy_version = newest_version_();
     // What could not be sent is repeated when its time-out passes.
@@ -149,8 +161,9 @@ void BatchFetcher::SendDue() {
   given_up_.store(book_.given_up(), std::memory_order_relaxed);
 }
 
-void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
-  if (reply.learner != incarnation_ || reply.shard >= static_cast<uint32_t>(shards_)) {
+template <typename Batch>
+void BatchFetcher<Batch>::OnReply(const dadrl_idl_BatchReply& reply) {
+  if (reply.learner != incarnation_ || reply.shard >= static_cast<uint32_t>(config_.replay.shards)) {
     Count(foreign_);
     return;
   }
@@ -168,7 +181,8 @@ void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
 }
 
 // Asking again would not help: this is the end of the thread.
-void BatchFetcher::OnRefusal(const dadrl_idl_BatchReply& reply) {
+template <typename Batch>
+void BatchFetcher<Batch>::OnRefusal(const dadrl_idl_BatchReply& reply) {
   MutexLock lock(mutex_);
   status_ = Fail(ErrorCode::kInvalidArgument,
                  "replay {} refuses to serve this learner: {}; start both with the configuration of the run",
@@ -176,18 +190,20 @@ void BatchFetcher::OnRefusal(const dadrl_idl_BatchReply& reply) {
   stopping_.store(true);
 }
 
-Status BatchFetcher::status() const {
+template <typename Batch>
+Status BatchFetcher<Batch>::status() const {
   MutexLock lock(mutex_);
   return status_;
 }
 
-void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {
+template <typename Batch>
+void BatchFetcher<Batch>::Decode(const dadrl_idl_BatchReply& reply) {
   // Credits bound what is under way, so one is always free.
   const std::optional<Slot*> free = free_.Pop(Duration::zero());
   assert(free.has_value());
   Slot* slot = *free;
   const std::span<const std::byte> bytes = std::as_bytes(std::span(reply.bytes._buffer, reply.bytes._length));
-  const Status decoded = DecodeSampleBatch(bytes, schema_, algorithm_.gamma, codec_, slot->batch);
+  const Status decoded = BatchKind<Batch>::Decode(bytes, schema_, config_, codec_, slot->batch);
   if (!decoded) {
     static_cast<void>(free_.TryPush(slot));
     DropCorrupt(reply, decoded.error());
@@ -198,7 +214,8 @@ void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {
   static_cast<void>(ready_.TryPush(slot));  // has room for all
 }
 
-void BatchFetcher::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {
+template <typename Batch>
+void BatchFetcher<Batch>::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {
   Count(corrupt_);
   const TimePoint now = clock_.Now();
   book_.HoldOff(now + options_.corrupt_pause);
@@ -207,7 +224,8 @@ void BatchFetcher::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& e
   spdlog::warn("dropped a batch of replay {} ({} so far): {}", reply.shard, corrupt_.load(), error.message);
 }
 
-void BatchFetcher::UpdateReasonToWait() {
+template <typename Batch>
+void BatchFetcher<Batch>::UpdateReasonToWait() {
   Activity reason = Activity::kWaitForBatch;
   if (!can_ask()) {
     reason = Activity::kWaitForReplay;
@@ -216,5 +234,8 @@ void BatchFetcher::UpdateReasonToWait() {
   }
   waiting_for_.store(reason, std::memory_order_relaxed);
 }
+
+template class BatchFetcher<TransitionBatch>;
+template class BatchFetcher<SequenceBatch>;
 
 }  // namespace dadrl

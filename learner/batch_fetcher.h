@@ -1,4 +1,4 @@
-// Batches from the replay shards over DDS, fetched and decoded while the trainer trains.
+// Batches from the replay shards over DDS, fetched and decoded while the learner trains.
 #pragma once
 
 #include <atomic>
@@ -15,10 +15,10 @@
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
+#include "learner/batch_kind.h"
 #include "learner/batch_source.h"
 #include "learner/priority_sender.h"
 #include "learner/request_book.h"
-#include "proto/sample_batch.h"
 #include "proto/topics.h"
 
 namespace dadrl {
@@ -36,26 +36,28 @@ struct FetchStats {
   uint64_t frames_held = 0;  // by all shards, now
 };
 
+struct FetchOptions {
+  Duration request_timeout = std::chrono::seconds(2);       // then a request is sent again, or elsewhere
+  Duration corrupt_pause = std::chrono::milliseconds(100);  // before asking again after garbage
+};
+
+// `Batch` is TransitionBatch or SequenceBatch.
 // Owns a thread that asks, receives and decodes, and learner.credits batches for each shard that go round.
 // Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; others: any.
-class BatchFetcher final : public BatchSource {
+template <typename Batch>
+class BatchFetcher final : public BatchSource<Batch> {
  public:
-  struct Options {
-    Duration request_timeout = std::chrono::seconds(2);       // then a request is sent again, or elsewhere
-    Duration corrupt_pause = std::chrono::milliseconds(100);  // before asking again after garbage
-  };
-
   // `incarnation` tells this learner from the one before it. `newest_version` is called on the fetcher's
-  // thread.
+  // thread. kInvalidArgument: BatchKind::Check.
   static Result<std::unique_ptr<BatchFetcher>> Create(const dds::Node& node, const Config& config,
                                                       uint64_t incarnation,
                                                       std::function<uint32_t()> newest_version,
-                                                      const Options& options);
+                                                      const FetchOptions& options);
   ~BatchFetcher() override;
 
-  TransitionBatch* Take(Duration timeout) override;
-  void Release(TransitionBatch* batch) override;
-  void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
+  Batch* Take(Duration timeout) override;
+  void Release(Batch* batch) override;
+  void UpdatePriorities(const Batch& batch, std::span<const float> td_error) override;
   Activity waiting_for() const override { return waiting_for_.load(std::memory_order_relaxed); }
   // kInvalidArgument: a shard refuses to serve this learner, since their configurations differ.
   Status status() const override DADRL_EXCLUDES(mutex_);
@@ -64,7 +66,7 @@ class BatchFetcher final : public BatchSource {
 
  private:
   struct Slot {
-    TransitionBatch batch;
+    Batch batch;
     uint32_t shard = 0;
   };
   struct Endpoints {
@@ -74,7 +76,7 @@ class BatchFetcher final : public BatchSource {
   };
 
   BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
-               std::function<uint32_t()> newest_version, const Options& options);
+               std::function<uint32_t()> newest_version, const FetchOptions& options);
   void Run();
   Duration WaitTime() const;
   bool can_ask() const;
@@ -85,15 +87,14 @@ class BatchFetcher final : public BatchSource {
   void Decode(const dadrl_idl_BatchReply& reply);
   void DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error);
   void UpdateReasonToWait();
-  Slot& SlotOf(const TransitionBatch& batch);
+  Slot& SlotOf(const Batch& batch);
 
   const Endpoints endpoints_;
-  const AlgorithmConfig algorithm_;
-  const int shards_;
+  const Config config_;
   const uint64_t schema_;
   const uint64_t incarnation_;
   const std::function<uint32_t()> newest_version_;
-  const Options options_;
+  const FetchOptions options_;
   SystemClock clock_;
   std::vector<std::unique_ptr<Slot>> slots_;
   BoundedQueue<Slot*> ready_;
@@ -114,5 +115,8 @@ class BatchFetcher final : public BatchSource {
       given_up_{0}, frames_held_{0};
   std::thread thread_;
 };
+
+extern template class BatchFetcher<TransitionBatch>;
+extern template class BatchFetcher<SequenceBatch>;
 
 }  // namespace dadrl

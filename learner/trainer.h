@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/config/config.h"
+#include "common/model/transition_batch.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
@@ -43,7 +44,7 @@ class Trainer {
   // Borrowed; they outlive the trainer.
   struct Parts {
     Algorithm& algorithm;
-    BatchSource& batches;
+    BatchSource<TransitionBatch>& batches;
     PolicyPublisher& publisher;
     CheckpointWriter& checkpoints;
     const Clock& clock;

@@ -7,6 +7,7 @@
 
 #include "actor/experience/experience_sink.h"
 #include "common/config/config.h"
+#include "common/model/transition_batch.h"
 #include "learner/batch_source.h"
 #include "learner/policy_publisher.h"
 #include "proto/experience.h"
@@ -42,7 +43,7 @@ class TableSink final : public ExperienceSink {
 
 // Batches straight from the table, through the same codec as over the network. The first failure is kept and
 // ends the training.
-class TableBatchSource final : public BatchSource {
+class TableBatchSource final : public BatchSource<TransitionBatch> {
  public:
   // Borrows `table`.
   TableBatchSource(const Config& config, ReplayTable& table);

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "proto/sequence_batch.h"
 #include "tests/learner/cluster_fixture.h"
 
 namespace dadrl {
@@ -26,9 +27,9 @@ class BatchFetcherTest : public testing::Test {
     config_.learner.credits = 2;
   }
   // Time-outs far away, so that only the tests about them see one.
-  void StartFetcher(BatchFetcher::Options options = {.request_timeout = 60s, .corrupt_pause = 20ms}) {
+  void StartFetcher(FetchOptions options = {.request_timeout = 60s, .corrupt_pause = 20ms}) {
     node_ = dds::Node::Create(config_.cluster, config_.replay.shards, dds::Role::kLearner, 0).value();
-    fetcher_ = BatchFetcher::Create(
+    fetcher_ = BatchFetcher<TransitionBatch>::Create(
                    *node_, config_, kIncarnation, [] { return 9u; }, options)
                    .value();
   }
@@ -40,7 +41,7 @@ class BatchFetcherTest : public testing::Test {
   Config config_;
   const BatchMaker maker_{ObservationSpec{}};
   std::unique_ptr<dds::Node> node_;
-  std::unique_ptr<BatchFetcher> fetcher_;
+  std::unique_ptr<BatchFetcher<TransitionBatch>> fetcher_;
 };
 
 TEST_F(BatchFetcherTest, AsksForWhatTheConfigurationSaysAndDecodesTheReply) {
@@ -130,9 +131,10 @@ TEST_F(BatchFetcherTest, DropsGarbageAndAsksForAnotherBatch) {
   damaged[damaged.size() / 2] ^= std::byte{1};
   std::vector<std::byte> cut = Batch(1);
   cut.resize(cut.size() - 9);
+  const std::vector<std::byte> other_kind = EncodeSequenceBatch({}, 5, SchemaHash(ObservationSpec{}));
   uint64_t dropped = 0;
   for (const std::vector<std::byte>& bytes :
-       {garbage, damaged, cut, maker_.Make(kBatchSize + 1, 1), std::vector<std::byte>(1)}) {
+       {garbage, damaged, cut, maker_.Make(kBatchSize + 1, 1), other_kind, std::vector<std::byte>(1)}) {
     shard->Reply(kIncarnation, shard->AwaitRequests(1)[0].request, bytes);
     ++dropped;
     ASSERT_TRUE(Eventually([&] { return fetcher_->stats().corrupt == dropped; }));

@@ -5,13 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "common/model/transition_batch.h"
 #include "common/util/random.h"
 #include "learner/batch_source.h"
 
 namespace dadrl {
 
 // Batch number i depends on i and the seed alone; starts at `first`. Gives `available` of them, then none.
-class MemoryBatchSource final : public BatchSource {
+class MemoryBatchSource final : public BatchSource<TransitionBatch> {
  public:
   explicit MemoryBatchSource(int batch_size, uint64_t first = 0)
       : batch_(ObservationSpec{}, batch_size), next_(first) {}

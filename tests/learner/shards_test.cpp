@@ -31,7 +31,8 @@ class ShardsTest : public testing::Test {
       replays_[static_cast<size_t>(shard)]->Start();
     }
     learner_node_ = dds::Node::Create(config_.cluster, 2, dds::Role::kLearner, 0).value();
-    fetcher_ = BatchFetcher::Create(*learner_node_, config_, 77, [] { return 1u; }, {}).value();
+    fetcher_ =
+        BatchFetcher<TransitionBatch>::Create(*learner_node_, config_, 77, [] { return 1u; }, {}).value();
   }
   // Actor `shard` + 1 fills its shard with episodes of four frames.
   void Fill(int shard, int episodes) {
@@ -57,7 +58,7 @@ class ShardsTest : public testing::Test {
   Config config_;
   std::array<std::unique_ptr<ReplayProcess>, 2> replays_;
   std::unique_ptr<dds::Node> learner_node_;
-  std::unique_ptr<BatchFetcher> fetcher_;
+  std::unique_ptr<BatchFetcher<TransitionBatch>> fetcher_;
 };
 
 TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
