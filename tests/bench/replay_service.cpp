@@ -3,7 +3,8 @@
 // Its files are in memory (/dev/shm), so that it is the service that is measured; one case shows what a disk
 // makes of it, beside a plain file of the same bytes on the same disk.
 //
-// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples) only that part. The
+// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies) only
+// that part. The
 // limit is the same traffic in the same run without a replay: one process writes the same bytes under the
 // same QoS, another takes and drops them. For latencies it is the bare peer answering while it is flooded
 // with chunks in the same way.
@@ -179,8 +180,7 @@ void InsertsToDisk() {
   Print("inserted frames, on disk, forced every second", value, "frames/s", limit, value / limit);
 }
 
-// Returns the mean bytes of a batch.
-double Samples() {
+void Samples() {
   std::vector<Numbers> bare;
   std::vector<Numbers> ours;
   for (int run = 0; run < kRuns; ++run) {
@@ -196,16 +196,15 @@ double Samples() {
   const double value = kBatches / Median(ours, 0);
   PrintSpread("batches sampled/s", bare, ours, 0, kBatches);
   Print("sampled batches of 256, 3 steps", value, "batches/s", limit, value / limit);
-  return Median(ours, 1);
 }
 
-void Latencies(double batch_bytes) {
+void Latencies() {
   std::vector<Numbers> bare;
   std::vector<Numbers> ours;
   for (int run = 0; run < kRuns; ++run) {
     ours.push_back(WithReplay([](const Config& config) { return FetchUnderFlood(config, true); }));
-    bare.push_back(Bare([](const Config& config) { return FetchUnderFlood(config, false); }, 1,
-                        static_cast<size_t>(batch_bytes)));
+    const auto bytes = static_cast<size_t>(ours.back().at(1));
+    bare.push_back(Bare([](const Config& config) { return FetchUnderFlood(config, false); }, 1, bytes));
   }
   const auto print = [&](const char* name, size_t which) {
     const double value = Median(ours, which);
@@ -225,6 +224,7 @@ int main(int argc, char** argv) {
   const auto chosen = [&](const char* part) { return only.empty() || only == part; };
   if (chosen("inserts")) dadrl::bench::Inserts();
   if (chosen("disk")) dadrl::bench::InsertsToDisk();
-  if (chosen("samples")) dadrl::bench::Latencies(dadrl::bench::Samples());
+  if (chosen("samples")) dadrl::bench::Samples();
+  if (chosen("latencies")) dadrl::bench::Latencies();
   return 0;
 }
