@@ -36,7 +36,9 @@ struct SampledItem {
 constexpr int kMaxSliceSteps = 32;
 
 // Serialises `items`; lengths and an xxh3-64 checksum included. Each item has 1 to kMaxSliceSteps rewards.
-std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema);
+// `memory` of an earlier batch is used again.
+std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema,
+                                         std::vector<std::byte> memory = {});
 
 // Parses and decodes into `batch` (its size must match): rewards summed with gamma, discounts gamma^k or 0.
 // kCorrupt on anything that does not fit (`batch` is then unspecified); never reads outside `bytes`. `codec`
