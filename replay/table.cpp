@@ -1,6 +1,7 @@
 #include "replay/table.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "common/util/log.h"
@@ -181,36 +182,45 @@ RateLimiter::Hold ReplayTable::MaySample(size_t count, int sequence_length) {
 }
 
 Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t policy_version) {
-  if (n_step < 1 || n_step > options_.n_step) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "asked for slices of {} steps, this replay was started with algorithm.n_step {}", n_step,
-                options_.n_step);
-  }
-  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn, Draw(count, n_step, count, policy_version));
+  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn,
+                         Draw({.count = count, .n_step = n_step, .policy_version = policy_version}));
   return AssembleBatch(std::move(drawn), n_step);
 }
 
 Result<SampledSequences> ReplayTable::SampleSequences(size_t count, int length, uint32_t policy_version) {
-  if (length < 1 || length > sequence_length()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "asked for sequences of {} decisions, this replay was started with replay.sequence_length {}",
-                length, sequence_length());
-  }
+  assert(length >= 1);
   DADRL_ASSIGN_OR_RETURN(DrawnItems drawn,
-                         Draw(count, length, count * static_cast<size_t>(length), policy_version));
+                         Draw({.count = count, .sequence_length = length, .policy_version = policy_version}));
   return AssembleSequences(std::move(drawn), length);
 }
 
-Result<DrawnItems> ReplayTable::Draw(size_t count, int n_step, size_t samples, uint32_t policy_version) {
+Status ReplayTable::CheckWanted(const Wanted& wanted) const {
+  if (wanted.sequence_length > sequence_length()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "asked for sequences of {} decisions, this replay was started with replay.sequence_length {}",
+                wanted.sequence_length, sequence_length());
+  }
+  if (wanted.sequence_length == 0 && (wanted.n_step < 1 || wanted.n_step > n_step())) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "asked for slices of {} steps, this replay was started with algorithm.n_step {}",
+                wanted.n_step, n_step());
+  }
+  return {};
+}
+
+Result<DrawnItems> ReplayTable::Draw(const Wanted& wanted) {
+  DADRL_RETURN_IF_ERROR(CheckWanted(wanted));
+  const bool sequences = wanted.sequence_length > 0;
+  const int steps = sequences ? wanted.sequence_length : wanted.n_step;
+  const auto samples = static_cast<int64_t>(wanted.count) * (sequences ? steps : 1);
   MutexLock lock(mutex_);
-  index_.SetNewestVersion(policy_version);
-  const size_t size = index_.CanDraw(count) ? index_.items() : 0;
-  if (limiter_.MaySample(static_cast<int64_t>(samples), static_cast<int64_t>(size)) !=
-      RateLimiter::Hold::kNone) {
+  index_.SetNewestVersion(wanted.policy_version);
+  const size_t size = index_.CanDraw(wanted.count) ? index_.items() : 0;
+  if (limiter_.MaySample(samples, static_cast<int64_t>(size)) != RateLimiter::Hold::kNone) {
     return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples, size);
   }
-  DrawnItems drawn = index_.Draw(count, n_step, random_);
-  limiter_.OnSample(static_cast<int64_t>(samples));
+  DrawnItems drawn = index_.Draw(wanted.count, steps, random_);
+  limiter_.OnSample(samples);
   return drawn;
 }
 

@@ -98,12 +98,20 @@ class ReplayTable {
   // Whether a batch may be sampled now, and if not, why: ask again after inserts. Counts the wait.
   // `sequence_length`: of the sequences that are asked for; 0 for slices.
   RateLimiter::Hold MaySample(size_t count, int sequence_length = 0);
-  // Draws `count` slices of `n_step` (at most TableOptions::n_step). `policy_version` is the newest, for the
-  // staleness limit; 0 when unknown. kUnavailable: MaySample would not allow it, or what was there went
-  // stale. The lock is held only for the draw, so that inserts go on while a batch is read.
+  // What a batch is drawn for.
+  struct Wanted {
+    size_t count = 0;
+    int n_step = 1;               // of each slice; at most TableOptions::n_step
+    int sequence_length = 0;      // above 0: sequences of up to so many decisions, n_step is ignored
+    uint32_t policy_version = 0;  // the newest, for the staleness limit; 0 when unknown
+  };
+  // Draws `count` slices, or sequences, each of which counts as `sequence_length` samples. They are read by
+  // AssembleBatch or AssembleSequences, without a lock, so that inserts and other draws go on meanwhile.
+  // kUnavailable: MaySample would not allow it, or what was there went stale.
+  Result<DrawnItems> Draw(const Wanted& wanted);
+  // Draws and reads slices.
   Result<SampledBatch> Sample(size_t count, int n_step, uint32_t policy_version);
-  // The same for sequences of up to `length` decisions (at most replay.sequence_length); each counts as
-  // `length` samples.
+  // Draws and reads sequences of up to `length` decisions (at most replay.sequence_length).
   Result<SampledSequences> SampleSequences(size_t count, int length, uint32_t policy_version);
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
 
@@ -140,9 +148,7 @@ class ReplayTable {
   Capture TakeCapture() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status WriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
-  // Draws `count` items whose slices have `n_step` steps, and counts `samples` of them.
-  Result<DrawnItems> Draw(size_t count, int n_step, size_t samples, uint32_t policy_version)
-      DADRL_EXCLUDES(mutex_);
+  Status CheckWanted(const Wanted& wanted) const;
   Result<ChunkView> Parse(std::span<const std::byte> bytes) const;
   Insertion Refuse(const Error& reason) DADRL_EXCLUDES(mutex_);
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "common/util/log.h"
@@ -12,7 +13,7 @@
 namespace dadrl {
 namespace {
 
-// Between two looks at the priorities, which have no wait of their own.
+// Between two looks at the priorities, which have no wait of their own, and at a reader that is not there.
 constexpr Duration kWait = std::chrono::milliseconds(10);
 constexpr size_t kMaxReplyBytes = size_t{64} << 20;
 
@@ -45,42 +46,75 @@ void BatchServer::Wake() {
 }
 
 void BatchServer::Run(const std::atomic<bool>& stop) {
+  std::vector<std::thread> others;
+  for (int i = 1; i < kThreads; ++i) others.emplace_back([&] { Work(stop); });
+  Work(stop);
+  for (std::thread& other : others) other.join();
+}
+
+void BatchServer::Work(const std::atomic<bool>& stop) {
+  std::vector<std::byte> bytes;
   while (!stop.load()) {
-    TakeRequests();
-    TakePriorities();
-    // Before the last look, so that an insert after it wakes us.
-    waiting_.store(!pending_.empty());
-    const bool held = ServePending();
-    ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
-    endpoints_.requests->Wait(kWait);
-    waiting_.store(false);
-    ledger_.Enter(Activity::kWork);
+    std::optional<Drawn> drawn;
+    {
+      MutexLock leading(lead_);
+      drawn = Lead();
+    }
+    if (!drawn) continue;
+    const Request request = drawn->request;
+    bytes = Read(std::move(*drawn), std::move(bytes));
+    SendInTurn(request, bytes, stop);
   }
 }
 
+std::optional<BatchServer::Drawn> BatchServer::Lead() {
+  TakeRequests();
+  TakePriorities();
+  // Before the last look, so that an insert after it wakes us.
+  waiting_.store(!pending_.empty());
+  bool held = false;
+  // A batch that nobody receives is lost, and its samples are spent.
+  if (!pending_.empty() && endpoints_.replies->matched() > 0) {
+    if (Result<DrawnItems> items = Draw(pending_.front())) {
+      Drawn drawn{pending_.front(), std::move(*items)};
+      pending_.pop_front();
+      order_.TakePlace(drawn.request.id);
+      return drawn;
+    }
+    SayWithheld();
+    held = true;
+  }
+  ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
+  endpoints_.requests->Wait(kWait);
+  waiting_.store(false);
+  ledger_.Enter(Activity::kWork);
+  return std::nullopt;
+}
+
 void BatchServer::TakeRequests() {
+  // The analysis does not see that Take visits before it returns, under our lock.
   endpoints_.requests->Take(static_cast<int>(kMaxPending),
-                            [this](const dadrl_idl_BatchRequest& message) { OnRequest(message); });
+                            [this](const dadrl_idl_BatchRequest& message)
+                                DADRL_NO_THREAD_SAFETY_ANALYSIS { OnRequest(message); });
 }
 
 void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
   if (message.shard != shard_ || message.learner < learner_) return;
   if (message.learner > learner_) pending_.clear();
   learner_ = message.learner;
+  const ReplyOrder::Request id{message.learner, message.request};
+  if (order_.Holds(id)) return;
   const auto known = std::find_if(pending_.begin(), pending_.end(),
-                                  [&](const Request& request) { return request.number == message.request; });
+                                  [&](const Request& request) { return request.id == id; });
   if (known != pending_.end()) {
     known->told = false;  // who asks again, hears again
     return;
   }
-  const Request request{.learner = message.learner,
-                        .number = message.request,
-                        .batch_size = message.batch_size,
-                        .n_step = static_cast<int>(message.n_step),
-                        .sequence_length = static_cast<int>(message.sequence_length),
-                        .policy_version = message.policy_version,
-                        .told = false,
-                        .prepared = {}};
+  const Request request{.id = id,
+                        .wanted = {.count = message.batch_size,
+                                   .n_step = static_cast<int>(message.n_step),
+                                   .sequence_length = static_cast<int>(message.sequence_length),
+                                   .policy_version = message.policy_version}};
   if (const Status possible = Check(message); !possible) return Refuse(request, possible.error().message);
   if (pending_.size() >= kMaxPending) return Refuse(request, "too many requests at once");
   pending_.push_back(request);
@@ -126,62 +160,74 @@ void BatchServer::TakePriorities() {
   });
 }
 
-bool BatchServer::ServePending() {
-  while (!pending_.empty()) {
-    // A batch that nobody receives is lost, and its samples are spent.
-    if (endpoints_.replies->matched() == 0) return false;
-    Request& request = pending_.front();
-    if (request.prepared.empty() && !Prepare(request)) {
-      for (Request& waiting : pending_) {
-        std::vector<std::byte> nothing;
-        if (!waiting.told && Reply(waiting, nothing)) waiting.told = true;
-      }
-      return true;
+Result<DrawnItems> BatchServer::Draw(const Request& request) {
+  const ReplayTable::Wanted& wanted = request.wanted;
+  if (table_.MaySample(wanted.count, wanted.sequence_length) != RateLimiter::Hold::kNone) {
+    return Fail(ErrorCode::kUnavailable, "not now");
+  }
+  Result<DrawnItems> items = table_.Draw(wanted);
+  if (items) on_sample_();
+  return items;
+}
+
+void BatchServer::SayWithheld() {
+  std::vector<std::byte> nothing;
+  for (Request& request : pending_) {
+    if (!request.told) request.told = Reply(request, nothing).has_value();
+  }
+}
+
+std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> memory) {
+  const ReplayTable::Wanted& wanted = drawn.request.wanted;
+  const auto encode = [&]() -> Result<std::vector<std::byte>> {
+    if (wanted.sequence_length > 0) {
+      DADRL_ASSIGN_OR_RETURN(const SampledSequences batch,
+                             AssembleSequences(std::move(drawn.items), wanted.sequence_length));
+      return EncodeSequenceBatch(batch.sequences, wanted.sequence_length, table_.schema());
     }
-    if (!Reply(request, request.prepared)) return false;
-    batches_.fetch_add(1);
-    bytes_.fetch_add(request.prepared.size());
-    pending_.pop_front();
-    TakePriorities();
-  }
-  return false;
-}
-
-Result<std::vector<std::byte>> BatchServer::Sample(const Request& request) {
-  if (request.sequence_length > 0) {
-    DADRL_ASSIGN_OR_RETURN(
-        const SampledSequences batch,
-        table_.SampleSequences(request.batch_size, request.sequence_length, request.policy_version));
-    return EncodeSequenceBatch(batch.sequences, request.sequence_length, table_.schema());
-  }
-  DADRL_ASSIGN_OR_RETURN(const SampledBatch batch,
-                         table_.Sample(request.batch_size, request.n_step, request.policy_version));
-  return EncodeSampleBatch(batch.items, table_.schema());
-}
-
-bool BatchServer::Prepare(Request& request) {
-  if (table_.MaySample(request.batch_size, request.sequence_length) != RateLimiter::Hold::kNone) return false;
-  Result<std::vector<std::byte>> bytes = Sample(request);
+    DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, AssembleBatch(std::move(drawn.items), wanted.n_step));
+    return EncodeSampleBatch(batch.items, table_.schema(), std::move(memory));
+  };
+  Result<std::vector<std::byte>> bytes = encode();
   if (!bytes) {
-    if (bytes.error().code != ErrorCode::kUnavailable) spdlog::error("{}", bytes.error().message);
-    return false;
+    spdlog::error("{}", bytes.error().message);
+    return {};
   }
-  on_sample_();
-  request.prepared = std::move(*bytes);
-  if (request.prepared.size() <= kMaxReplyBytes) return true;
-  Refuse(request, fmt::format("a batch of {} takes {} bytes, at most {} can be sent; lower "
-                              "algorithm.batch_size or replay.sequence_length",
-                              request.batch_size, request.prepared.size(), kMaxReplyBytes));
-  pending_.pop_front();
-  return false;
+  if (bytes->size() <= kMaxReplyBytes) return std::move(*bytes);
+  Refuse(drawn.request, fmt::format("a batch of {} takes {} bytes, at most {} can be sent; lower "
+                                    "algorithm.batch_size or replay.sequence_length",
+                                    wanted.count, bytes->size(), kMaxReplyBytes));
+  return {};
+}
+
+void BatchServer::SendInTurn(const Request& request, std::vector<std::byte>& bytes,
+                             const std::atomic<bool>& stop) {
+  order_.WaitForTurn(request.id);
+  while (!bytes.empty() && !stop.load()) {
+    if (endpoints_.replies->matched() == 0) {
+      SystemClock().SleepFor(kWait);
+    } else if (Reply(request, bytes)) {
+      batches_.fetch_add(1);
+      bytes_.fetch_add(bytes.size());
+      break;
+    }
+    if (Replaced(request.id.learner)) break;
+  }
+  order_.Leave();
+}
+
+bool BatchServer::Replaced(uint64_t learner) {
+  MutexLock leading(lead_);
+  TakeRequests();
+  return learner_ != learner;
 }
 
 Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal) {
   const ReplayTable::Stats stats = table_.stats();
   dadrl_idl_BatchReply message{};
   message.shard = shard_;
-  message.learner = request.learner;
-  message.request = request.number;
+  message.learner = request.id.learner;
+  message.request = request.id.number;
   message.frames_held = stats.items;
   message.frames_inserted = stats.inserted_frames;
   std::copy_n(refusal.data(), std::min(refusal.size(), sizeof(message.refusal) - 1), message.refusal);

@@ -6,21 +6,29 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "common/dds/endpoint.h"
 #include "common/util/clock.h"
+#include "common/util/mutex.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 #include "proto/topics.h"
+#include "replay/service/reply_order.h"
 #include "replay/table.h"
 
 namespace dadrl {
 
-// One thread runs Run; statistics, ledger and Wake are for any. Requests are served in order; those of an
+// One thread runs Run, which starts the others; statistics, ledger and Wake are for any. The threads take
+// turns: one leads, that is, waits for requests and draws the next batch; then another leads while it reads,
+// serialises and sends that batch. Batches are drawn and sent in the order of their requests; those of an
 // earlier learner are dropped as soon as a later one speaks. Bounded: kMaxPending requests.
 class BatchServer {
  public:
+  // One sends while the other prepares: DDS takes as long for a batch as the table.
+  static constexpr int kThreads = 2;
   static constexpr size_t kMaxPending = 64;
   static constexpr uint32_t kMaxBatch = 65536;
 
@@ -51,30 +59,38 @@ class BatchServer {
     std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies;
   };
   struct Request {
-    uint64_t learner = 0;
-    uint64_t number = 0;
-    uint32_t batch_size = 0;
-    int n_step = 0;
-    int sequence_length = 0;  // 0: slices of n_step
-    uint32_t policy_version = 0;
-    bool told = false;                // that it is withheld
-    std::vector<std::byte> prepared;  // its batch, drawn but not yet sent
+    ReplyOrder::Request id;
+    ReplayTable::Wanted wanted;
+    bool told = false;  // that it is withheld
+  };
+  // A request whose batch is drawn, with its place in `order_`.
+  struct Drawn {
+    Request request;
+    DrawnItems items;
   };
 
   BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, const Clock& clock,
               std::function<void()> on_sample);
-  void TakeRequests();
-  void OnRequest(const dadrl_idl_BatchRequest& message);
+  void Work(const std::atomic<bool>& stop) DADRL_EXCLUDES(lead_);
+
+  // Waits a little for requests; the next one's batch when it may be served.
+  std::optional<Drawn> Lead() DADRL_REQUIRES(lead_);
+  void TakeRequests() DADRL_REQUIRES(lead_);
+  void OnRequest(const dadrl_idl_BatchRequest& message) DADRL_REQUIRES(lead_);
   // Whether the request can ever be served; its message is for the learner.
   Status Check(const dadrl_idl_BatchRequest& message) const;
   void Refuse(const Request& request, const std::string& reason);
-  void TakePriorities();
-  // Serves what may be served; true when a request has to wait for inserts.
-  bool ServePending();
-  Result<std::vector<std::byte>> Sample(const Request& request);
-  // Draws the batch of a request that may be served. False: not now.
-  bool Prepare(Request& request);
+  void TakePriorities() DADRL_REQUIRES(lead_);
+  Result<DrawnItems> Draw(const Request& request) DADRL_REQUIRES(lead_);
+  void SayWithheld() DADRL_REQUIRES(lead_);
+
+  // Serialises a batch into `memory`; empty when it cannot be sent.
+  std::vector<std::byte> Read(Drawn drawn, std::vector<std::byte> memory);
+  // In turn; tries until it is sent, or its learner replaced, or `stop`.
+  void SendInTurn(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop)
+      DADRL_EXCLUDES(lead_);
   Status Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal = {});
+  bool Replaced(uint64_t learner) DADRL_EXCLUDES(lead_);
 
   const Endpoints endpoints_;
   const uint32_t shard_;
@@ -82,8 +98,11 @@ class BatchServer {
   const std::function<void()> on_sample_;
   TimeLedger ledger_;
 
-  uint64_t learner_ = 0;
-  std::deque<Request> pending_;
+  // Held by the one that leads, also while it waits for requests.
+  Mutex lead_;
+  uint64_t learner_ DADRL_GUARDED_BY(lead_) = 0;
+  std::deque<Request> pending_ DADRL_GUARDED_BY(lead_);
+  ReplyOrder order_;
   std::atomic<bool> waiting_{false};
   std::atomic<uint64_t> batches_{0};
   std::atomic<uint64_t> bytes_{0};

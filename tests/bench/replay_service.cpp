@@ -3,11 +3,10 @@
 // Its files are in memory (/dev/shm), so that it is the service that is measured; one case shows what a disk
 // makes of it, beside a plain file of the same bytes on the same disk.
 //
-// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies) only
-// that part. The
-// limit is the same traffic in the same run without a replay: one process writes the same bytes under the
-// same QoS, another takes and drops them. For latencies it is the bare peer answering while it is flooded
-// with chunks in the same way.
+// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies) only that
+// part. The limit is the same traffic in the same run without a replay: one process writes the same bytes
+// under the same QoS, another takes and drops them. For latencies it is the bare peer answering while it is
+// flooded with chunks in the same way.
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>

@@ -53,11 +53,14 @@ class PeerLearner {
   const std::vector<Reply>& RepliesTo(uint64_t number) {
     replies_->Take(100, [this](const dadrl_idl_BatchReply& reply) {
       const auto* bytes = reinterpret_cast<const std::byte*>(reply.bytes._buffer);
+      if (reply.bytes._length > 0) batches_.push_back(reply.request);
       replies_by_request_[reply.request].push_back(
           {{bytes, bytes + reply.bytes._length}, reply.frames_held, reply.frames_inserted});
     });
     return replies_by_request_[number];
   }
+  // The requests whose batches came, in that order.
+  const std::vector<uint64_t>& batches() const { return batches_; }
   // Waits for the request's batch; empty when it does not come.
   Reply Fetch(uint32_t batch_size) {
     const uint64_t number = Ask(batch_size);
@@ -89,6 +92,7 @@ class PeerLearner {
   std::unique_ptr<dds::Writer<dadrl_idl_BatchRequest>> requests_;
   std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> priorities_;
   std::map<uint64_t, std::vector<Reply>> replies_by_request_;
+  std::vector<uint64_t> batches_;
 };
 
 }  // namespace dadrl

@@ -59,6 +59,38 @@ TEST_F(ReplayServiceTest, ARequestWaitsInsideUntilThereIsEnough) {
   EXPECT_FALSE(learner_->RepliesTo(number)[2].bytes.empty());
 }
 
+TEST_F(ReplayServiceTest, BatchesComeInTheOrderOfTheirRequestsAndOnce) {
+  config_.replay.max_times_sampled = 0;
+  Launch();
+  AddChunks(50);
+  ASSERT_TRUE(actor_->PumpUntilStored(50)) << replay_->Log();
+  std::vector<uint64_t> asked;
+  for (int round = 0; round < 20; ++round) {
+    // Large and small in turn, so that one that is drawn later is read sooner.
+    for (int i = 0; i < 10; ++i) asked.push_back(learner_->Ask(i % 2 == 0 ? 500 : 1));
+    learner_->Ask(500, asked[asked.size() - 2]);
+    ASSERT_TRUE(Eventually([&] { return !learner_->RepliesTo(asked.back()).empty(); })) << replay_->Log();
+  }
+  std::vector<uint64_t> came = learner_->batches();
+  // One that was sent before it was asked for again is drawn again.
+  std::map<uint64_t, int> times;
+  std::erase_if(came, [&](uint64_t number) { return ++times[number] > 1; });
+  EXPECT_EQ(came, asked);
+}
+
+TEST_F(ReplayServiceTest, ANewLearnerIsServedWhenTheOldOneLeavesItsBatchesUntaken) {
+  config_.replay.max_times_sampled = 0;
+  Launch();
+  AddChunks(50);
+  ASSERT_TRUE(actor_->PumpUntilStored(50)) << replay_->Log();
+  // More than its reader (16) and the writer's cache take together: a batch is stuck half way.
+  for (int i = 0; i < 40; ++i) learner_->Ask(1024);
+  learner_.reset();
+  learner_ = std::make_unique<PeerLearner>(*learner_node_, 201, 1);
+  ASSERT_TRUE(learner_->WaitForReplay());
+  EXPECT_FALSE(learner_->Fetch(32).bytes.empty()) << replay_->Log();
+}
+
 TEST_F(ReplayServiceTest, ActorsAreHeldBackUntilTheLearnerCatchesUp) {
   config_.replay.min_size = 8;
   config_.replay.max_times_sampled = 0;
