@@ -7,8 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
-
-#include "actor/sensing/sample_bits.h"
+#include <utility>
 
 namespace dadrl {
 namespace {
@@ -19,8 +18,8 @@ constexpr double kCellMetres = 0.2;
 // Half the diagonal of a view, and how far off the network's bounds the ego's centre may be (off-road ends an
 // episode long before).
 constexpr double kPadding = 0.5 * kViewSide * std::numbers::sqrt2 + 5.0;
-constexpr size_t kRowBytes = kSize / 8;
-constexpr double kFixedOne = 65536.0;  // of GridLine
+constexpr double kPixelCells = kPixelMetres / kCellMetres;
+constexpr double kFixedOne = 65536.0;  // of GridSquare
 
 static_assert(std::endian::native == std::endian::little, "the route's plane is copied as words");
 static_assert(kSize % 32 == 0, "a row of a plane is whole words");
@@ -63,19 +62,25 @@ void FillLane(const Lane& lane, Point origin, BitGrid& grid) {
   }
 }
 
-}  // namespace
-
-BirdsEyeView::BirdsEyeView(const RoadMap& map, const Route& route)
-    : route_(route), drivable_(EmptyGrid(BoundsOf(map))), route_plane_(kSize, kSize) {
-  origin_ = BoundsOf(map).low - Point{kPadding, kPadding};
-  for (const Lane& lane : map.lanes()) FillLane(lane, origin_, drivable_);
+BitGrid DrivableGrid(const RoadMap& map, Point origin) {
+  BitGrid grid = EmptyGrid(BoundsOf(map));
+  for (const Lane& lane : map.lanes()) FillLane(lane, origin, grid);
   std::vector<Point> polygon;
   for (const auto& junction : map.junctions()) {
     polygon.clear();
-    for (const Point p : junction) polygon.push_back((1.0 / kCellMetres) * (p - origin_));
-    drivable_.FillPolygon(polygon);
+    for (const Point p : junction) polygon.push_back((1.0 / kCellMetres) * (p - origin));
+    grid.FillPolygon(polygon);
   }
+  return grid;
 }
+
+}  // namespace
+
+BirdsEyeView::BirdsEyeView(const RoadMap& map, const Route& route)
+    : route_(route),
+      origin_(BoundsOf(map).low - Point{kPadding, kPadding}),
+      drivable_(DrivableGrid(map, origin_), kPixelCells),
+      route_plane_(kSize, kSize) {}
 
 void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out) {
   assert(out.size() == ObservationSpec::kContextBytes);
@@ -86,22 +91,24 @@ void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out)
 void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const {
   const Point centre = (1.0 / kCellMetres) * (ego.position - origin_);
   const double reach = 0.5 * kViewSide * std::numbers::sqrt2 / kCellMetres + 2.0;
-  if (!(centre.x >= reach && centre.y >= reach && centre.x <= drivable_.width() - reach &&
-        centre.y <= drivable_.height() - reach)) {
+  const BitGrid& grid = drivable_.grid();
+  if (!(centre.x >= reach && centre.y >= reach && centre.x <= grid.width() - reach &&
+        centre.y <= grid.height() - reach)) {
     std::ranges::fill(plane, uint8_t{0});
     return;
   }
-  const double pixel = kPixelMetres / kCellMetres;
-  const Point up = pixel * Forward(ego.heading);
+  const Point up = kPixelCells * Forward(ego.heading);
   const Point right{up.y, -up.x};
-  const auto step_x = static_cast<int32_t>(std::lround(right.x * kFixedOne));
-  const auto step_y = static_cast<int32_t>(std::lround(right.y * kFixedOne));
+  GridSquare square;
+  square.step_x = static_cast<int32_t>(std::lround(right.x * kFixedOne));
+  square.step_y = static_cast<int32_t>(std::lround(right.y * kFixedOne));
   for (int row = 0; row < kSize; ++row) {
     const Point start = centre + (kSize / 2.0 - row - 0.5) * up + (0.5 - kSize / 2.0) * right;
-    const GridLine line{static_cast<int32_t>(std::lround(start.x * kFixedOne)),
-                        static_cast<int32_t>(std::lround(start.y * kFixedOne)), step_x, step_y};
-    SampleBits(drivable_, line, plane.subspan(static_cast<size_t>(row) * kRowBytes, kRowBytes));
+    // The nearest: they are positive.
+    square.x[static_cast<size_t>(row)] = static_cast<int32_t>(start.x * kFixedOne + 0.5);
+    square.y[static_cast<size_t>(row)] = static_cast<int32_t>(start.y * kFixedOne + 0.5);
   }
+  drivable_.Sample(square, plane);
 }
 
 void BirdsEyeView::DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane) {

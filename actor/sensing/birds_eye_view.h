@@ -6,6 +6,7 @@
 #include <span>
 
 #include "actor/sensing/bit_grid.h"
+#include "actor/sensing/bit_sampler.h"
 #include "actor/sim/geometry.h"
 #include "actor/sim/road_map.h"
 #include "actor/sim/route.h"
@@ -36,8 +37,8 @@ class BirdsEyeView {
   void DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane);
 
   const Route& route_;
-  Point origin_;      // world position of the drivable grid's corner
-  BitGrid drivable_;  // row: north, column: east; padded so that a view never leaves it
+  Point origin_;         // world position of the drivable grid's corner
+  BitSampler drivable_;  // row: north, column: east; padded so that a view never leaves it
   BitGrid route_plane_;
 };
 
