@@ -38,10 +38,8 @@ const SocialVehicle* Find(const std::vector<SocialVehicle>& vehicles, int id) {
 
 }  // namespace
 
-History::History(const RoadMap& map, const ObservationConfig& config)
-    : map_(map),
-      config_(config),
-      ring_(static_cast<size_t>((config.history - 1) * config.history_stride + 1)) {}
+History::History(const ObservationConfig& config)
+    : config_(config), ring_(static_cast<size_t>((config.history - 1) * config.history_stride + 1)) {}
 
 void History::Push(const WorldState& world, const EgoLocation& location) {
   newest_ = (newest_ + 1) % ring_.size();
@@ -55,10 +53,6 @@ void History::Push(const WorldState& world, const EgoLocation& location) {
 const History::Scene* History::At(int age) const {
   const auto steps = static_cast<size_t>(age);
   return steps < count_ ? &ring_[(newest_ + ring_.size() - steps) % ring_.size()] : nullptr;
-}
-
-int History::LaneIndex(int lane) const {
-  return lane < 0 ? -1 : map_.lanes()[static_cast<size_t>(lane)].index;
 }
 
 void History::SelectNearest() {
@@ -91,7 +85,7 @@ void History::WriteVehicleRows(const SocialVehicle& now, const Pose& frame, floa
     if (later == nullptr) {
       WriteAbsent(out, kVehicleFeatures);
     } else {
-      WriteMotion(out, frame, later->pose, later->speed_mps, LaneIndex(later->lane));
+      WriteMotion(out, frame, later->pose, later->speed_mps, later->lane_index);
     }
   }
 }

@@ -6,17 +6,16 @@
 #include <vector>
 
 #include "actor/sensing/localization.h"
-#include "actor/sim/road_map.h"
 #include "actor/sim/world_state.h"
 #include "common/config/config.h"
 
 namespace dadrl {
 
-// A ring of the scenes of (history - 1) * history_stride + 1 simulation steps. Borrows the map. Not thread
+// A ring of the scenes of (history - 1) * history_stride + 1 simulation steps. Not thread
 // safe; allocates only until the largest scene was seen.
 class History {
  public:
-  History(const RoadMap& map, const ObservationConfig& config);
+  explicit History(const ObservationConfig& config);
 
   // An episode starts: nothing is known of the past.
   void Clear() { count_ = 0; }
@@ -41,9 +40,7 @@ class History {
   const Scene* At(int age) const;
   void SelectNearest();
   void WriteVehicleRows(const SocialVehicle& now, const Pose& frame, float* rows) const;
-  int LaneIndex(int lane) const;
 
-  const RoadMap& map_;
   ObservationConfig config_;
   std::vector<Scene> ring_;
   size_t newest_ = 0;

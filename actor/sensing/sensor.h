@@ -13,7 +13,7 @@ namespace dadrl {
 class Sensor {
  public:
   Sensor(const RoadMap& map, const Route& route, const ObservationConfig& config)
-      : route_(route), history_(map, config), view_(map, route) {}
+      : route_(route), history_(config), view_(map, route) {}
 
   // An episode starts.
   void Reset() { history_.Clear(); }

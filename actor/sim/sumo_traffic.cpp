@@ -2,7 +2,6 @@
 
 #include <libsumo/libsumo.h>
 
-#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -18,7 +17,9 @@ enum SeedStream : uint64_t { kDriverStream, kSumoStream, kLoopStream };
 
 SumoTraffic::SumoTraffic(const Scenario& scenario, const ProfileSettings& profile, const ScenarioPlan& plan,
                          MemoryFile route_file)
-    : scenario_(scenario), profile_(profile), plan_(plan), route_file_(std::move(route_file)) {}
+    : scenario_(scenario), profile_(profile), plan_(plan), route_file_(std::move(route_file)) {
+  for (int vehicle = 0; vehicle < scenario_.population(); ++vehicle) ids_.push_back(SocialId(vehicle));
+}
 
 std::vector<std::string> SumoTraffic::SumoOptions(uint64_t seed) const {
   // A map, because SUMO refuses an option that is given twice.
@@ -47,7 +48,7 @@ Status SumoTraffic::Load(uint64_t seed, const EgoTraffic& ego) {
   Random driver_random(DeriveSeed(seed, kDriverStream));
   const std::vector<DriverType> types = DrawDriverTypes(scenario_.driver_types, driver_random);
   loop_random_ = Random(DeriveSeed(seed, kLoopStream));
-  presence_.assign(static_cast<size_t>(scenario_.population()), Presence::kWaiting);
+  in_network_.assign(ids_.size(), false);
   ego_in_network_ = ego_arrived_ = false;
   DADRL_RETURN_IF_ERROR(route_file_.Write(TrafficXml(scenario_, profile_, types, plan_.lane_end_m, ego)));
   libsumo::Simulation::load(SumoOptions(seed));
@@ -64,52 +65,42 @@ void SumoTraffic::AddDrivenEgo() {
 
 void SumoTraffic::Step() {
   libsumo::Simulation::step();
+  for (const std::string& id : libsumo::Simulation::getDepartedIDList()) {
+    if (id == kEgoId) {
+      ego_in_network_ = true;
+    } else {
+      in_network_[static_cast<size_t>(SocialIndex(id))] = true;
+    }
+  }
   for (const std::string& id : libsumo::Simulation::getArrivedIDList()) {
     if (id == kEgoId) {
+      ego_in_network_ = false;
       ego_arrived_ = true;
     } else {
-      Reenter(id);
+      Reenter(SocialIndex(id));
     }
   }
 }
 
-void SumoTraffic::Reenter(const std::string& id) {
-  const int vehicle = SocialIndex(id);
+void SumoTraffic::Reenter(int vehicle) {
   const int flow = vehicle / scenario_.driver_types;
   const int lanes = plan_.departure_lanes[static_cast<size_t>(flow)];
   const uint64_t lane = loop_random_.Below(static_cast<uint64_t>(lanes));
-  libsumo::Vehicle::add(id, FlowId(flow), TypeId(vehicle % scenario_.driver_types), "now",
-                        std::to_string(lane), "0", "0");
-  presence_[static_cast<size_t>(vehicle)] = Presence::kWaiting;
+  libsumo::Vehicle::add(ids_[static_cast<size_t>(vehicle)], FlowId(flow),
+                        TypeId(vehicle % scenario_.driver_types), "now", std::to_string(lane), "0", "0");
+  in_network_[static_cast<size_t>(vehicle)] = false;
 }
 
-Status SumoTraffic::Read(std::vector<SocialVehicle>& vehicles) {
+Status SumoTraffic::Read(std::vector<SocialVehicle>& vehicles) const {
   vehicles.clear();
-  ego_in_network_ = false;
-  for (const std::string& id : libsumo::Vehicle::getIDList()) {
-    const int vehicle = SocialIndex(id);
-    if (vehicle < 0) {
-      ego_in_network_ = true;
-      continue;
+  for (size_t vehicle = 0; vehicle < ids_.size(); ++vehicle) {
+    if (!in_network_[vehicle]) continue;
+    const std::string& id = ids_[vehicle];
+    const int lane = libsumo::Vehicle::getLaneIndex(id);
+    if (lane == libsumo::INVALID_INT_VALUE) {
+      return Fail(ErrorCode::kInternal, "vehicle {} vanished from the traffic", id);
     }
-    vehicles.push_back({vehicle, PoseFromSumo(id), libsumo::Vehicle::getSpeed(id),
-                        plan_.map.FindLane(libsumo::Vehicle::getLaneID(id))});
-  }
-  std::sort(vehicles.begin(), vehicles.end(),
-            [](const SocialVehicle& a, const SocialVehicle& b) { return a.id < b.id; });
-  return CheckNoneVanished(vehicles);
-}
-
-Status SumoTraffic::CheckNoneVanished(const std::vector<SocialVehicle>& vehicles) {
-  auto next = vehicles.begin();
-  for (size_t vehicle = 0; vehicle < presence_.size(); ++vehicle) {
-    if (next != vehicles.end() && next->id == static_cast<int>(vehicle)) {
-      ++next;
-      presence_[vehicle] = Presence::kInNetwork;
-    } else if (presence_[vehicle] == Presence::kInNetwork) {
-      return Fail(ErrorCode::kInternal, "vehicle {} vanished from the traffic",
-                  SocialId(static_cast<int>(vehicle)));
-    }
+    vehicles.push_back({static_cast<int>(vehicle), PoseFromSumo(id), libsumo::Vehicle::getSpeed(id), lane});
   }
   return {};
 }

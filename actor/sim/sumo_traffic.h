@@ -33,27 +33,24 @@ class SumoTraffic {
 
   // The population now in the network, ordered by id; the rest waits for room to enter.
   // kInternal: a vehicle vanished.
-  Status Read(std::vector<SocialVehicle>& vehicles);
+  Status Read(std::vector<SocialVehicle>& vehicles) const;
 
-  // As of the last Read.
   bool ego_in_network() const { return ego_in_network_; }
   // Since Load: the ego's route in SUMO ended.
   bool ego_arrived() const { return ego_arrived_; }
 
  private:
-  // A vehicle waits before it first enters, and again whenever it has finished its loop.
-  enum class Presence { kWaiting, kInNetwork };
-
   std::vector<std::string> SumoOptions(uint64_t seed) const;
-  void Reenter(const std::string& id);
-  Status CheckNoneVanished(const std::vector<SocialVehicle>& vehicles);
+  void Reenter(int vehicle);
 
   const Scenario& scenario_;
   const ProfileSettings& profile_;
   const ScenarioPlan& plan_;
   MemoryFile route_file_;
   Random loop_random_{0};
-  std::vector<Presence> presence_;
+  std::vector<std::string> ids_;
+  // A vehicle waits before it first enters, and again whenever it has finished its loop.
+  std::vector<bool> in_network_;
   bool ego_in_network_ = false;
   bool ego_arrived_ = false;
 };

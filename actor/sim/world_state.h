@@ -16,7 +16,7 @@ struct SocialVehicle {
   int id = 0;  // of the population; stays the same when the vehicle loops
   Pose pose;   // of the box's centre
   double speed_mps = 0.0;
-  int lane = -1;  // index into RoadMap::lanes, -1 when unknown
+  int lane_index = 0;  // 0 is the rightmost of its road
 };
 
 // The ego in its own frame: longitudinal ahead, lateral to the left.

@@ -58,8 +58,8 @@ inline WorldState WorldWithEgo(double x, double y, double heading = 0.0, double 
 }
 
 inline SocialVehicle Vehicle(int id, double x, double y, double heading = 0.0, double speed = 0.0,
-                             int lane = -1) {
-  return {id, {{x, y}, heading}, speed, lane};
+                             int lane_index = 0) {
+  return {id, {{x, y}, heading}, speed, lane_index};
 }
 
 }  // namespace dadrl::test

@@ -44,7 +44,7 @@ struct Drive {
 bool Same(const std::vector<SocialVehicle>& a, const std::vector<SocialVehicle>& b) {
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i) {
-    if (a[i].id != b[i].id || a[i].lane != b[i].lane || a[i].speed_mps != b[i].speed_mps ||
+    if (a[i].id != b[i].id || a[i].lane_index != b[i].lane_index || a[i].speed_mps != b[i].speed_mps ||
         std::memcmp(&a[i].pose, &b[i].pose, sizeof a[i].pose) != 0) {
       return false;
     }

@@ -30,7 +30,7 @@ class HistoryTest : public testing::Test {
   RoadMap map_ = test::StraightRoad();
   Route route_ = test::StraightRoute(map_);
   Localizer localizer_{map_, route_};
-  History history_{map_, config_};
+  History history_{config_};
   std::vector<float> vehicles_ = std::vector<float>(6 * 5 * 7, 9.0f);
   std::vector<float> ego_ = std::vector<float>(5 * 20, 9.0f);
 };
@@ -47,7 +47,7 @@ TEST_F(HistoryTest, RowsAreHalfSecondsApartAndInTheFrameOfNow) {
   // Ego drives 1 m a step east and then faces north; a car goes west at 0.5 m a step in the back lane.
   for (int step = 0; step <= 20; ++step) {
     WorldState world = test::WorldWithEgo(20 + step, 0, step == 20 ? std::numbers::pi / 2 : 0.0, 10.0);
-    world.vehicles = {test::Vehicle(3, 60 - 0.5 * step, 6.4, std::numbers::pi, 5.0, 2)};
+    world.vehicles = {test::Vehicle(3, 60 - 0.5 * step, 6.4, std::numbers::pi, 5.0, 1)};
     Push(world);
   }
   ReadVehicles();
@@ -60,7 +60,7 @@ TEST_F(HistoryTest, RowsAreHalfSecondsApartAndInTheFrameOfNow) {
     EXPECT_NEAR(V(0, row, 3), 0.0, 1e-6);  // west is a quarter turn left of north
     EXPECT_NEAR(V(0, row, 4), 1.0, 1e-6);
     EXPECT_NEAR(V(0, row, 5), 0.5, 1e-6);
-    EXPECT_EQ(V(0, row, 6), 0.0f);
+    EXPECT_EQ(V(0, row, 6), 1.0f);
     EXPECT_EQ(V(0, row, 0), 0.0f);
     EXPECT_NEAR(E(row, 1), 0.0, 1e-6);
     EXPECT_NEAR(E(row, 2), (40 - (20 + step)) / 30, 1e-6);
@@ -159,12 +159,12 @@ TEST_F(HistoryTest, TurningTheWorldChangesNothing) {
     const RoadMap map = test::StraightRoad(angle, shift);
     const Route route = test::StraightRoute(map, angle, shift);
     Localizer localizer(map, route);
-    History history(map, config_);
+    History history(config_);
     for (int step = 0; step <= 25; ++step) {
       WorldState world = test::WorldWithEgo(0, 0, angle + 0.01 * step, 6.0);
       world.ego.pose.position = test::Moved({30 + 0.6 * step, 0.05 * step}, angle, shift);
       const Point other = test::Moved({60 - 0.7 * step, 6.4}, angle, shift);
-      world.vehicles = {test::Vehicle(1, other.x, other.y, angle + std::numbers::pi, 7.0, 2)};
+      world.vehicles = {test::Vehicle(1, other.x, other.y, angle + std::numbers::pi, 7.0, 1)};
       history.Push(world, localizer.Locate(world.ego.pose));
     }
     std::vector<float> all(6 * 5 * 7 + 5 * 20);
