@@ -47,7 +47,7 @@ void EgoController::Reset() {
 }
 
 EgoCommand EgoController::Control(const EgoState& ego, double target_speed_mps, int lane_command) {
-  Localize(ego);
+  Localize(ego, lane_command);
   const int before = followed_;
   followed_ = Neighbour(ego, lane_command);
   const Polyline::Projection& projection = projections_[static_cast<size_t>(followed_)];
@@ -56,11 +56,16 @@ EgoCommand EgoController::Control(const EgoState& ego, double target_speed_mps, 
   return {std::min(target_speed_mps, CurveSpeed(ego, projection)), Steer(ego, projection)};
 }
 
-void EgoController::Localize(const EgoState& ego) {
+void EgoController::Localize(const EgoState& ego, int lane_command) {
+  const auto project = [&](size_t i) { projections_[i] = (*paths_)[i].centre.Project(ego.pose.position); };
+  const auto current = static_cast<size_t>(current_);
+  project(current);
+  double nearest = projections_[current].distance - kHysteresis;
+  // Nothing is nearer than that, and nobody asks for a neighbour.
+  if (nearest <= 0.0 && lane_command == 0) return;
   for (size_t i = 0; i < paths_->size(); ++i) {
-    projections_[i] = (*paths_)[i].centre.Project(ego.pose.position);
+    if (i != current) project(i);
   }
-  double nearest = projections_[static_cast<size_t>(current_)].distance - kHysteresis;
   for (size_t i = 0; i < paths_->size(); ++i) {
     if (projections_[i].distance >= nearest || !Drivable(ego, i)) continue;
     nearest = projections_[i].distance;

@@ -37,7 +37,7 @@ class EgoController {
   const std::vector<Path>& paths() const { return *paths_; }
 
  private:
-  void Localize(const EgoState& ego);
+  void Localize(const EgoState& ego, int lane_command);
   bool Drivable(const EgoState& ego, size_t path) const;
   int Neighbour(const EgoState& ego, int lane_command) const;
   double Steer(const EgoState& ego, const Polyline::Projection& projection) const;
@@ -48,7 +48,7 @@ class EgoController {
   int current_ = 0;
   int followed_ = 0;
   bool changing_lane_ = false;
-  std::vector<Polyline::Projection> projections_;  // of the ego on each path, now
+  std::vector<Polyline::Projection> projections_;  // of the ego, now: on the current path, on all when needed
 };
 
 }  // namespace dadrl
