@@ -18,7 +18,8 @@ constexpr double kMaxBraking = 7.4;                              // m/s^2
 // The reference point is half way between the axles.
 constexpr double kRearShare = 0.5;
 
-double SlipAngle(double steering) { return std::atan(kRearShare * std::tan(steering)); }
+// From the tangent of the front wheel's angle.
+double SlipAngle(double steering_tangent) { return std::atan(kRearShare * steering_tangent); }
 
 }  // namespace
 
@@ -33,7 +34,7 @@ void EgoVehicle::Step(double target_speed_mps, double target_steering_rad) {
   const double steering = std::clamp(target_steering_rad, -kMaxSteering, kMaxSteering);
   const EgoState before = state_;
   for (int i = 0; i < kSubsteps; ++i) Advance(target_speed_mps, steering);
-  const double slip = SlipAngle(state_.steering_rad);
+  const double slip = SlipAngle(std::tan(state_.steering_rad));
   state_.velocity_lon = state_.speed_mps * std::cos(slip);
   state_.velocity_lat = state_.speed_mps * std::sin(slip);
   CompleteMotion(before, state_);
@@ -49,9 +50,9 @@ void EgoVehicle::Advance(double target_speed_mps, double target_steering_rad) {
   if (acceleration > 0.0) acceleration = std::min(acceleration, drive_);
   state_.speed_mps = std::max(0.0, state_.speed_mps + kSubstep * acceleration);
 
-  const double slip = SlipAngle(state_.steering_rad);
-  const double turn =
-      kSubstep * state_.speed_mps * std::cos(slip) * std::tan(state_.steering_rad) / kWheelbase;
+  const double tangent = std::tan(state_.steering_rad);
+  const double slip = SlipAngle(tangent);
+  const double turn = kSubstep * state_.speed_mps * std::cos(slip) * tangent / kWheelbase;
   const double course = state_.pose.heading + 0.5 * turn + slip;
   state_.pose.position = state_.pose.position + kSubstep * state_.speed_mps * Forward(course);
   state_.pose.heading = WrapAngle(state_.pose.heading + turn);

@@ -19,9 +19,9 @@ void WriteAbsent(float* row, int features) {
   row[0] = 1.0f;
 }
 
-void WriteMotion(float* row, const Pose& frame, const Pose& pose, double speed, int lane_index) {
-  const Point local = ToLocal(frame, pose.position);
-  const Point direction = Forward(pose.heading - frame.heading);
+void WriteMotion(float* row, const Frame& frame, const Pose& pose, double speed, int lane_index) {
+  const Point local = frame.ToLocal(pose.position);
+  const Point direction = Forward(pose.heading - frame.pose.heading);
   row[0] = 0.0f;
   row[1] = feature::Scaled(local.x, feature::kPosition);
   row[2] = feature::Scaled(local.y, feature::kPosition);
@@ -71,7 +71,7 @@ void History::SelectNearest() {
   nearest_.resize(kept);
 }
 
-void History::WriteVehicleRows(const SocialVehicle& now, const Pose& frame, float* rows) const {
+void History::WriteVehicleRows(const SocialVehicle& now, const Frame& frame, float* rows) const {
   const double jump = kJumpSpeed * kStepSeconds * config_.history_stride;
   const SocialVehicle* later = &now;
   for (int row = config_.history - 1; row >= 0; --row) {
@@ -94,7 +94,7 @@ void History::WriteVehicles(std::span<float> out) {
   const size_t block = static_cast<size_t>(config_.history * kVehicleFeatures);
   assert(count_ > 0 && out.size() == block * static_cast<size_t>(config_.vehicles));
   SelectNearest();
-  const Pose& frame = At(0)->ego.pose;
+  const Frame frame(At(0)->ego.pose);
   for (size_t slot = 0; slot < static_cast<size_t>(config_.vehicles); ++slot) {
     float* rows = out.data() + slot * block;
     if (slot < nearest_.size()) {
@@ -109,8 +109,8 @@ void History::WriteVehicles(std::span<float> out) {
 
 void History::WriteEgo(Point goal, std::span<float> out) const {
   assert(count_ > 0 && out.size() == static_cast<size_t>(config_.history * kEgoFeatures));
-  const Pose& frame = At(0)->ego.pose;
-  const Point local_goal = ToLocal(frame, goal);
+  const Frame frame(At(0)->ego.pose);
+  const Point local_goal = frame.ToLocal(goal);
   for (int row = 0; row < config_.history; ++row) {
     float* f = out.data() + row * kEgoFeatures;
     const Scene* scene = At((config_.history - 1 - row) * config_.history_stride);

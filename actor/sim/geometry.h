@@ -29,15 +29,25 @@ inline Point Forward(double heading) { return {std::cos(heading), std::sin(headi
 
 // Into (-pi, pi].
 inline double WrapAngle(double angle) {
+  if (angle > -std::numbers::pi && angle <= std::numbers::pi) return angle;
   const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? wrapped + 2.0 * std::numbers::pi : wrapped;
 }
 
-// `point` of the world in the frame of `frame`: x ahead, y to the left.
-inline Point ToLocal(const Pose& frame, Point point) {
-  const Point d = point - frame.position;
-  const Point f = Forward(frame.heading);
-  return {Dot(d, f), Cross(f, d)};
-}
+// A pose to look at many points from.
+struct Frame {
+  explicit Frame(const Pose& at) : pose(at), forward(Forward(at.heading)) {}
+
+  // `point` of the world: x ahead, y to the left.
+  Point ToLocal(Point point) const {
+    const Point d = point - pose.position;
+    return {Dot(d, forward), Cross(forward, d)};
+  }
+
+  Pose pose;
+  Point forward;
+};
+
+inline Point ToLocal(const Pose& frame, Point point) { return Frame(frame).ToLocal(point); }
 
 }  // namespace dadrl

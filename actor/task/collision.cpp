@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kHalfLength = kVehicleLength / 2;
 constexpr double kHalfWidth = kVehicleWidth / 2;
+const double kDiagonal = 2 * std::hypot(kHalfLength, kHalfWidth);
 
 using Corners = std::array<Point, 4>;
 
@@ -50,7 +51,7 @@ double BoxDistance(const Pose& a, const Pose& b) {
 
 bool BoxesWithin(const Pose& a, const Pose& b, double clearance) {
   const Point offset = b.position - a.position;
-  const double reach = 2 * std::hypot(kHalfLength, kHalfWidth) + clearance;
+  const double reach = kDiagonal + clearance;
   return Dot(offset, offset) <= reach * reach && BoxDistance(a, b) <= clearance;
 }
 
