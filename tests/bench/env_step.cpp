@@ -54,7 +54,8 @@ bool Same(const std::vector<SocialVehicle>& a, const std::vector<SocialVehicle>&
 
 // An exploring driver that keeps its lane: speeds drawn from the seed. It looks every `decision_steps`.
 Result<Drive> DriveEpisode(DrivingEnvironment& environment, uint64_t seed, size_t decision_steps) {
-  Drive drive{.seed = seed};
+  Drive drive;
+  drive.seed = seed;
   double begin = Seconds();
   DADRL_RETURN_IF_ERROR(environment.Reset(seed));
   drive.reset_s = Seconds() - begin;
