@@ -16,7 +16,7 @@ plt.rcParams.update({"svg.hashsalt": "dadrl", "font.size": 9, "axes.spines.top":
 def save(figure, path):
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.tight_layout()
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
 
 
@@ -76,6 +76,7 @@ def draw_curves(path, records):
 def draw_all(images, records, experiments):
     draw_ablation(images / "humanness_error.svg", records, "humanness_error", "humanness error (less is better)")
     draw_ablation(images / "overall_score.svg", records, "overall_score", "overall score (more is better)")
-    draw_curves(images / "learning_curves.svg", records)
+    whole = {name: record for name, record in records.items() if tables.method_of(record) in ("dad_rl", "all")}
+    draw_curves(images / "learning_curves.svg", whole)
     for group in sorted(path for path in experiments.glob("*") if path.is_dir()):
         draw_curves(images / f"{group.name}.svg", runs.load_records(group))
