@@ -9,14 +9,16 @@
 
 #include "common/io/checksum.h"
 #include "proto/sample_batch.h"
+#include "proto/sequence_batch.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl {
 namespace {
 
-enum Decoder : uint8_t { kFrame, kChunk, kBatch, kDecoders };
+enum Decoder : uint8_t { kFrame, kChunk, kBatch, kSequences, kDecoders };
 constexpr uint8_t kMendChecksum = 0x80;
 constexpr int kBatchSize = 3;
+constexpr int kSequenceLength = 2;
 const ObservationSpec kSpec;
 
 void Require(bool condition) {
@@ -52,11 +54,11 @@ void MendChecksum(std::span<std::byte> bytes) {
   std::memcpy(&bytes[bytes.size() - 8], &checksum, 8);
 }
 
-void CheckFrame(std::span<const std::byte> payload) {
+bool CheckFrame(std::span<const std::byte> payload) {
   static FrameCodec codec(kSpec, FloatCoding::kFloat16);
   static FrameCodec exact(kSpec, FloatCoding::kFloat32);
   Observation observation(kSpec);
-  if (!codec.Decode(payload, observation.vehicles, observation.ego, observation.context)) return;
+  if (!codec.Decode(payload, observation.vehicles, observation.ego, observation.context)) return false;
   for (const auto* values : {&observation.vehicles, &observation.ego}) {
     for (const float value : *values) Require(std::isfinite(value));
   }
@@ -67,11 +69,12 @@ void CheckFrame(std::span<const std::byte> payload) {
   Require(exact.Decode(again, copy.vehicles, copy.ego, copy.context).has_value());
   Require(std::memcmp(copy.ego.data(), observation.ego.data(), copy.ego.size() * sizeof(float)) == 0);
   Require(copy.context == observation.context);
+  return true;
 }
 
-void CheckChunk(std::span<const std::byte> bytes) {
+bool CheckChunk(std::span<const std::byte> bytes) {
   const auto view = ChunkView::Parse(bytes);
-  if (!view) return;
+  if (!view) return false;
   Require(view->frames() >= 1 && view->frames() <= kMaxChunkFrames);
   size_t payload_bytes = 0;
   for (int frame = 0; frame < view->frames(); ++frame) {
@@ -83,16 +86,38 @@ void CheckChunk(std::span<const std::byte> bytes) {
     CheckFrame(view->payload(frame));
   }
   Require(payload_bytes == view->payload_bytes() && payload_bytes < bytes.size());
+  return true;
 }
 
-void CheckBatch(std::span<const std::byte> bytes) {
+bool CheckBatch(std::span<const std::byte> bytes) {
   static FrameCodec codec(kSpec, FloatCoding::kFloat16);
   static TransitionBatch batch(kSpec, kBatchSize);
-  if (!DecodeSampleBatch(bytes, SchemaHash(kSpec), 0.99, codec, batch)) return;
+  if (!DecodeSampleBatch(bytes, SchemaHash(kSpec), 0.99, codec, batch)) return false;
   for (const auto* values : {&batch.reward, &batch.discount, &batch.weight, &batch.action,
                              &batch.observation.ego, &batch.next_observation.vehicles}) {
     for (const float value : *values) Require(std::isfinite(value));
   }
+  return true;
+}
+
+bool CheckSequences(std::span<const std::byte> bytes) {
+  static FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  static SequenceBatch batch(kSpec, kBatchSize, kSequenceLength);
+  if (!DecodeSequenceBatch(bytes, SchemaHash(kSpec), codec, batch)) return false;
+  for (const auto* values :
+       {&batch.reward, &batch.weight, &batch.action, &batch.observation.ego, &batch.observation.vehicles}) {
+    for (const float value : *values) Require(std::isfinite(value));
+  }
+  for (size_t i = 0; i < kBatchSize; ++i) {
+    const int steps = batch.steps[i];
+    const bool ended = batch.terminated[i] != 0 || batch.truncated[i] != 0;
+    Require(steps >= 1 && steps <= kSequenceLength && (ended || steps == kSequenceLength));
+    Require(batch.terminated[i] == 0 || batch.truncated[i] == 0);
+    for (auto behind = static_cast<size_t>(steps); behind < kSequenceLength; ++behind) {
+      Require(batch.reward[i * kSequenceLength + behind] == 0.0f);
+    }
+  }
+  return true;
 }
 
 std::vector<uint8_t> Input(uint8_t decoder, std::span<const std::byte> bytes) {
@@ -101,11 +126,27 @@ std::vector<uint8_t> Input(uint8_t decoder, std::span<const std::byte> bytes) {
   return input;
 }
 
+// One that goes on, one cut short by a termination, one that is truncated.
+std::vector<std::byte> SeedSequences(std::span<const std::byte> ended, std::span<const std::byte> truncated) {
+  const auto first = ChunkView::Parse(ended).value();
+  const auto second = ChunkView::Parse(truncated).value();
+  std::vector<SampledSequence> sequences(kBatchSize);
+  sequences[0].steps.resize(2);
+  sequences[0].frames = {first.payload(0), first.payload(1), first.payload(2)};
+  sequences[1].terminated = true;
+  sequences[1].steps.resize(1);
+  sequences[1].frames = {first.payload(2)};
+  sequences[2].truncated = true;
+  sequences[2].steps.resize(2);
+  sequences[2].frames = {second.payload(0), second.payload(1), second.payload(2)};
+  return EncodeSequenceBatch(sequences, kSequenceLength, SchemaHash(kSpec));
+}
+
 }  // namespace
 
-void CheckDecoder(std::span<const uint8_t> input) {
+bool CheckDecoder(std::span<const uint8_t> input) {
   static GuardedBuffer buffer;
-  if (input.empty()) return;
+  if (input.empty()) return false;
   const std::span<std::byte> bytes = buffer.Copy(input.subspan(1));
   if ((input[0] & kMendChecksum) != 0) MendChecksum(bytes);
   switch ((input[0] & ~kMendChecksum) % kDecoders) {
@@ -113,8 +154,10 @@ void CheckDecoder(std::span<const uint8_t> input) {
       return CheckFrame(bytes);
     case kChunk:
       return CheckChunk(bytes);
-    default:
+    case kBatch:
       return CheckBatch(bytes);
+    default:
+      return CheckSequences(bytes);
   }
 }
 
@@ -146,6 +189,7 @@ std::vector<std::vector<uint8_t>> SeedInputs() {
   items[1].terminated = true;
   items[1].next = {};
   inputs.push_back(Input(kBatch | kMendChecksum, EncodeSampleBatch(items, SchemaHash(kSpec))));
+  inputs.push_back(Input(kSequences | kMendChecksum, SeedSequences(ended, truncated)));
   return inputs;
 }
 
