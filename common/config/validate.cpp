@@ -38,6 +38,14 @@ Status Validate(const Config& config) {
         "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never be drawn",
         replay.sequence_period, replay.sequence_length);
   }
+  const int64_t shard_min_size = (replay.min_size + replay.shards - 1) / replay.shards;
+  if (replay.max_items > 0 && replay.max_items < shard_min_size) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.max_items: {} is less than a shard's part of replay.min_size, {}; nothing would ever be "
+        "drawn",
+        replay.max_items, shard_min_size);
+  }
   const bool random = replay.sampler == SamplerKind::kUniform || replay.sampler == SamplerKind::kPrioritized;
   if (!random && replay.max_times_sampled == 0) {
     return Fail(ErrorCode::kInvalidArgument,

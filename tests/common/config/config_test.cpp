@@ -72,6 +72,15 @@ TEST(Config, RefusesContradictions) {
   config = {};
   config.model.stae = config.model.context = false;
   EXPECT_FALSE(Validate(config));
+  config = {};
+  config.replay.shards = 2;
+  config.replay.max_items = 999;
+  EXPECT_EQ(
+      Validate(config).error().message,
+      "replay.max_items: 999 is less than a shard's part of replay.min_size, 1000; nothing would ever be "
+      "drawn");
+  config.replay.max_items = 1000;
+  EXPECT_TRUE(Validate(config));
 }
 
 }  // namespace
