@@ -27,21 +27,26 @@ constexpr Duration kTick = std::chrono::milliseconds(50);
 
 // Enough messages for rates: intervals of the status messages.
 constexpr double kListenIntervals = 4.0;
-// Without a word for so long, nobody is there.
-constexpr double kPatienceIntervals = 10.0;
+// Without a word for so long, something is wrong.
+constexpr double kPatience_s = 5.0;
 
 // Listens until rates are known and no new process shows up; kUnavailable when nobody speaks.
 Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& signals, const Clock& clock) {
   const TimePoint start = clock.Now();
-  const double interval_s = config.telemetry.interval_s;
-  while (!signals.StopRequested()) {
+  const double listen_s = kListenIntervals * config.telemetry.interval_s;
+  const double patience_s = std::max(kPatience_s, listen_s + config.telemetry.interval_s);
+  double waited_s = 0.0;
+  while (!signals.StopRequested() && waited_s < patience_s) {
     monitor.Poll(kTick);
-    const double waited_s = ToSeconds(clock.Now() - start);
-    if (monitor.ReportingProcesses() > 0 && waited_s >= kListenIntervals * interval_s) return {};
-    if (waited_s >= std::max(5.0, kPatienceIntervals * interval_s)) break;
+    waited_s = ToSeconds(clock.Now() - start);
+    if (monitor.ReportingProcesses() > 0 && waited_s >= listen_s) return {};
   }
-  return Fail(ErrorCode::kUnavailable,
-              "nobody reports: the run is starting, or its telemetry does not reach here");
+  return Fail(
+      ErrorCode::kUnavailable,
+      "no telemetry heard in {:.0f} s: the run is starting, or its multicast does not reach here; run "
+      "the monitor on the host (and in the container) of its replay, and there, as root: ip link set "
+      "lo multicast on && ip route add 224.0.0.0/4 dev lo (dadrl doctor tells)",
+      waited_s);
 }
 
 Progress MakeProgress(const RunPaths& paths, const Config& config, const ClusterMonitor& monitor) {
@@ -85,15 +90,17 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   const SystemClock clock;
   DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, clock, {}));
-  DADRL_RETURN_IF_ERROR(Listen(*monitor, config, *signals, clock));
+  const Status heard = Listen(*monitor, config, *signals, clock);
   if (options.json || options.once) {
+    DADRL_RETURN_IF_ERROR(heard);
     PrintOnce(MakeProgress(paths, config, *monitor), config, options.json);
     return 0;
   }
   ProgressDisplay display(stdout, clock);
+  if (!heard && !signals->StopRequested()) display.Message(heard.error().message + "; still listening");
   while (!signals->StopRequested() && IsRunning(paths)) {
     monitor->Poll(kTick);
-    if (!display.Due()) continue;
+    if (!display.Due() || monitor->Summarize().processes.empty()) continue;
     Progress progress = MakeProgress(paths, config, *monitor);
     progress.show_processes = true;
     display.Show(progress);

@@ -155,5 +155,22 @@ TEST_F(TwoMachines, APulledCableCostsAndRepeatsNothingAndTrainingGoesOnByItself)
   EXPECT_FALSE(last.empty());
 }
 
+// LCM opens there, and hears nothing: as in a container of its own, or behind a firewall.
+TEST_F(TwoMachines, AMonitorThatHearsNothingSaysWhatItWaitsForAndWhatWouldHelp) {
+  Machine::Ip({"-n", edge_.name(), "route", "add", "224.0.0.0/4", "dev", "lo"});
+  std::vector<std::string> command = {DadrlProgram(), "monitor", "--run-dir", run_.string()};
+  auto live = Start(edge_, command);
+  ASSERT_TRUE(live);
+  command.emplace_back("--json");
+  const CommandOutput once = RunCommand(edge_.Inside(command));
+  EXPECT_EQ(once.exit_code, 1);
+  EXPECT_EQ(once.out, "");
+  EXPECT_THAT(once.err, testing::HasSubstr("no telemetry heard in 5 s"));
+  EXPECT_THAT(once.err, testing::HasSubstr("ip route add 224.0.0.0/4 dev lo"));
+  EXPECT_TRUE(Eventually([&] { return Said().find("still listening") != std::string::npos; })) << Said();
+  EXPECT_FALSE(live->TryWait());
+  Stop(*live);
+}
+
 }  // namespace
 }  // namespace dadrl
