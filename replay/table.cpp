@@ -148,19 +148,26 @@ Status ReplayTable::RollSegment(size_t length) {
     return Fail(ErrorCode::kExhausted, "a chunk of {} bytes does not fit into replay.max_disk_bytes of {}",
                 length, max_disk);
   }
+  log_->CloseSegment();
+  new_segment_.store(true);
+  // The disk is slower than the inserts: they wait, so that replay.sync_interval_s holds.
   const bool sync = options_.replay.sync != SyncMode::kNone;
-  DADRL_RETURN_IF_ERROR(log_->CloseSegment(sync));
-  // Before anything is dropped: afterwards only this file knows what was stored.
-  DADRL_RETURN_IF_ERROR(WriteState(TakeCapture()));
-  while (log_->segments() > 0 && log_->bytes() + next > max_disk) DropOldestSegment();
-  return log_->StartSegment(length, sync);
+  if (sync && log_->unforced() > kMaxUnforced) DADRL_RETURN_IF_ERROR(log_->Sync());
+  while (log_->segments() > 0 && log_->bytes() + next > max_disk) {
+    DADRL_RETURN_IF_ERROR(DropOldestSegment());
+  }
+  return log_->StartSegment(length);
 }
 
-void ReplayTable::DropOldestSegment() {
+Status ReplayTable::DropOldestSegment() {
+  // Afterwards only the state file knows what was stored.
+  const bool saved = options_.directory.empty() || log_->oldest_id() < saved_segment_.load();
+  if (!saved) DADRL_RETURN_IF_ERROR(ForceAndWriteState(TakeCapture()));
   log_->RemoveOldest();
   const uint64_t oldest = log_->oldest_id();
   MutexLock lock(mutex_);
   index_.DropSegmentsBefore(oldest);
+  return {};
 }
 
 void ReplayTable::BoundIndex() {
@@ -170,7 +177,7 @@ void ReplayTable::BoundIndex() {
       MutexLock lock(mutex_);
       if (index_.memory_bytes() <= max_memory) return;
     }
-    DropOldestSegment();
+    if (!DropOldestSegment()) return;  // the next insert tries again
   }
 }
 

@@ -9,6 +9,7 @@
 // resident.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -42,6 +43,7 @@ struct TableOptions {
   // Looks at each new chunk's payloads before it is stored; null: they are trusted. A chunk that fails is
   // dropped, and its actor need not keep it: the episode breaks off there.
   std::function<Status(const ChunkView&)> verify = nullptr;
+  Segment::Force force = SyncFile;
 };
 
 // RateLimiter::Options of one shard of a configuration: the band in frames.
@@ -53,6 +55,9 @@ uint64_t SegmentBytes(const ReplayConfig& replay);
 // Any thread may call anything. Inserts exclude each other, and saving for the moment in which it looks.
 class ReplayTable {
  public:
+  // Full segments that may wait to be forced to the device, unless replay.sync is none.
+  static constexpr size_t kMaxUnforced = 4;
+
   struct Stats {
     uint64_t inserted_frames = 0;  // with an action, since the run began
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
@@ -81,7 +86,9 @@ class ReplayTable {
   static Result<std::unique_ptr<ReplayTable>> Open(TableOptions options, const Clock& clock);
 
   // `oldest_kept` as in dadrl_idl.ChunkMessage. kExhausted: the disk is full (or the chunk larger than it may
-  // get); nothing was stored, the same chunk may be offered again. Blocks on the disk when a segment is full.
+  // get); nothing was stored, the same chunk may be offered again. Begins a new segment when one is full, and
+  // leaves the full one to Sync; blocks on the disk only when kMaxUnforced of them wait for that, or when the
+  // oldest has to leave and no state was saved since it was full.
   Result<Insertion> Insert(std::span<const std::byte> chunk, uint64_t oldest_kept = 0);
   // The newest incarnation of each actor, with its highest stored sequence.
   std::vector<SequenceTable::Stream> Streams() const;
@@ -91,6 +98,8 @@ class ReplayTable {
   // Writes the state file: what a restart finds of counters, limiter and priorities. Blocks on the disk,
   // inserts and draws only for a copy in memory.
   Status SaveState();
+  // The same if a segment was begun since: then the oldest can leave without Insert's waiting for it.
+  Status SaveStateOfNewSegment();
   // The table as it is at one moment, complete in `directory` (storage/snapshot.h). Blocks as SaveState does.
   // kInvalidArgument: the folder exists, or the table is in memory only.
   Result<SnapshotReport> Snapshot(const std::filesystem::path& directory);
@@ -122,7 +131,7 @@ class ReplayTable {
   RateLimiter::Options limiter_options() const;
 
   // Forces what is stored to the device. Blocks on the disk.
-  Status Sync() const { return log_->Sync(); }
+  Status Sync() { return log_->Sync(); }
   // Keeps this process's resident pages of old segments under what replay.max_memory_bytes leaves for them.
   void TrimMemory() const;
 
@@ -146,7 +155,7 @@ class ReplayTable {
   Status RestoreState();
   void RestoreLimiter(const ReplayState& state) DADRL_REQUIRES(mutex_);
   Capture TakeCapture() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
-  Status WriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
+  Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
   Status CheckWanted(const Wanted& wanted) const;
   Result<ChunkView> Parse(std::span<const std::byte> bytes) const;
@@ -154,7 +163,7 @@ class ReplayTable {
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status RollSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
-  void DropOldestSegment() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Status DropOldestSegment() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   void BoundIndex() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   std::filesystem::path StatePath() const { return options_.directory / "state"; }
 
@@ -173,6 +182,10 @@ class ReplayTable {
   RateLimiter limiter_ DADRL_GUARDED_BY(mutex_);
   Random random_ DADRL_GUARDED_BY(mutex_);
   Stats counters_ DADRL_GUARDED_BY(mutex_);  // only what the parts do not know themselves
+
+  // Before this one every segment is in the state on disk.
+  std::atomic<uint64_t> saved_segment_{0};
+  std::atomic<bool> new_segment_{false};  // since the last capture for the state file
 
   // Of the writes to the state file: an older capture never replaces a newer one.
   Mutex state_mutex_;

@@ -8,7 +8,8 @@
 namespace dadrl {
 
 Status ReplayTable::Recover() {
-  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay)};
+  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay),
+                                        options_.force};
   SegmentLog::Recovery recovery;
   DADRL_ASSIGN_OR_RETURN(log_, SegmentLog::Open(
                                    log_options,
@@ -20,7 +21,7 @@ Status ReplayTable::Recover() {
   DADRL_RETURN_IF_ERROR(RestoreState());
   MutexLock inserting(insert_mutex_);
   while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
-    DropOldestSegment();
+    DADRL_RETURN_IF_ERROR(DropOldestSegment());
   }
   BoundIndex();
   const Stats now = stats();
@@ -66,6 +67,7 @@ Status ReplayTable::RestoreState() {
   index_.RemoveSurplus(random_);
   end_ = std::max(end_, state.up_to);
   log_->ReserveIds(state.up_to.segment);
+  saved_segment_.store(state.up_to.segment);
   return {};
 }
 
@@ -94,23 +96,28 @@ ReplayTable::Capture ReplayTable::TakeCapture() {
 }
 
 Status ReplayTable::SaveState() {
-  if (options_.directory.empty()) return {};
+  new_segment_.store(false);
   Capture capture;
   {
     MutexLock inserting(insert_mutex_);
     capture = TakeCapture();
   }
-  // What the state calls stored must not be lost behind it: its chunks would be taken for duplicates.
-  if (options_.replay.sync != SyncMode::kNone) DADRL_RETURN_IF_ERROR(log_->Sync());
-  return WriteState(capture);
+  Status saved = ForceAndWriteState(capture);
+  if (!saved) new_segment_.store(true);
+  return saved;
 }
 
-Status ReplayTable::WriteState(const Capture& capture) {
+Status ReplayTable::SaveStateOfNewSegment() { return new_segment_.load() ? SaveState() : Status(); }
+
+Status ReplayTable::ForceAndWriteState(const Capture& capture) {
   if (options_.directory.empty()) return {};
+  // What the state calls stored must not be lost behind it: its chunks would be taken for duplicates.
+  if (options_.replay.sync != SyncMode::kNone) DADRL_RETURN_IF_ERROR(log_->Sync());
   MutexLock lock(state_mutex_);
   if (capture.number < written_) return {};
   DADRL_RETURN_IF_ERROR(WriteReplayState(StatePath(), capture.state));
   written_ = capture.number;
+  saved_segment_.store(capture.state.up_to.segment);
   return {};
 }
 

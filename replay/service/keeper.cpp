@@ -40,6 +40,7 @@ Keeper::Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWr
   chores_ = {
       {sync ? FromSeconds(replay_.sync_interval_s) : Duration::zero(), [this] { return table_.Sync(); }},
       {FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); }},
+      {kWait, [this] { return table_.SaveStateOfNewSegment(); }},
       {FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); }},
       {kTrimInterval, [this] { return table_.TrimMemory(), Status(); }}};
   std::erase_if(chores_, [](const Chore& chore) { return chore.interval == Duration::zero(); });

@@ -6,6 +6,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -41,8 +42,8 @@ bool WriteAllAt(int fd, std::array<iovec, 3> parts, uint64_t offset) {
 
 }  // namespace
 
-Segment::Segment(std::filesystem::path path, uint64_t id, FileDescriptor file)
-    : path_(std::move(path)), id_(id), file_(std::move(file)) {}
+Segment::Segment(std::filesystem::path path, uint64_t id, FileDescriptor file, Force force)
+    : path_(std::move(path)), id_(id), file_(std::move(file)), force_(std::move(force)) {}
 
 Segment::~Segment() {
   if (mapping_ != nullptr) munmap(mapping_, capacity_);
@@ -52,7 +53,7 @@ uint64_t Segment::RecordBytes(size_t length) { return kRecordHeader + PaddedReco
 uint64_t Segment::HeaderBytes() { return kSegmentHeader; }
 
 Result<std::shared_ptr<Segment>> Segment::Create(const std::filesystem::path& path, uint64_t id,
-                                                 uint64_t schema, uint64_t capacity) {
+                                                 uint64_t schema, uint64_t capacity, Force force) {
   FileDescriptor file;
   if (path.empty()) {
     file = FileDescriptor(memfd_create("dadrl-replay-segment", MFD_CLOEXEC));
@@ -60,7 +61,7 @@ Result<std::shared_ptr<Segment>> Segment::Create(const std::filesystem::path& pa
   } else {
     DADRL_ASSIGN_OR_RETURN(file, FileDescriptor::Open(path, O_RDWR | O_CREAT | O_EXCL));
   }
-  std::shared_ptr<Segment> segment(new Segment(path, id, std::move(file)));
+  std::shared_ptr<Segment> segment(new Segment(path, id, std::move(file), std::move(force)));
   Status status = segment->Map(capacity);
   if (status) status = segment->WriteHeader(schema);
   if (!status) {
@@ -71,12 +72,12 @@ Result<std::shared_ptr<Segment>> Segment::Create(const std::filesystem::path& pa
 }
 
 Result<std::shared_ptr<Segment>> Segment::Open(const std::filesystem::path& path, uint64_t id,
-                                               uint64_t schema) {
+                                               uint64_t schema, Force force) {
   DADRL_ASSIGN_OR_RETURN(FileDescriptor file, FileDescriptor::Open(path, O_RDWR));
   struct stat status {};
   if (fstat(file.get(), &status) != 0) return tl::unexpected(IoError("stat", path, errno));
   const auto size = static_cast<uint64_t>(status.st_size);
-  std::shared_ptr<Segment> segment(new Segment(path, id, std::move(file)));
+  std::shared_ptr<Segment> segment(new Segment(path, id, std::move(file), std::move(force)));
   segment->used_ = size;
   if (size < kSegmentHeader) return segment;
   DADRL_RETURN_IF_ERROR(segment->Map(size));
@@ -144,7 +145,25 @@ Result<Segment::Scan> Segment::Recover(const Visitor& visit) {
 
 Status Segment::Sync() const {
   if (path_.empty()) return {};
-  return SyncFile(file_, path_);
+  MutexLock lock(sync_mutex_);
+  Status forced = failed_ ? WriteAgain() : Status();
+  if (forced) forced = force_(file_, path_);
+  failed_ = !forced;
+  return forced;
+}
+
+// What is appended meanwhile lies behind it, and is written for the first time.
+Status Segment::WriteAgain() const {
+  constexpr uint64_t kPiece = uint64_t{1} << 20;
+  const uint64_t end = used_;
+  std::vector<std::byte> piece;
+  for (uint64_t offset = 0; offset < end; offset += piece.size()) {
+    piece.assign(mapping_ + offset, mapping_ + std::min(offset + kPiece, end));
+    if (!WriteAllAt(file_.get(), {iovec{piece.data(), piece.size()}, {}, {}}, offset)) {
+      return tl::unexpected(IoError("write", path_, errno));
+    }
+  }
+  return {};
 }
 
 void Segment::DropPages() const {

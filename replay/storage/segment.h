@@ -16,6 +16,7 @@
 #include <span>
 
 #include "common/io/file_descriptor.h"
+#include "common/util/mutex.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -38,14 +39,16 @@ class Segment {
     uint64_t rejected_records = 0;  // whole, but refused by the visitor
   };
   using Visitor = std::function<bool(std::span<const std::byte> record)>;
+  // Forces a file to the device; SyncFile, but for tests of disks that fail.
+  using Force = std::function<Status(const FileDescriptor&, const std::filesystem::path&)>;
 
   // A new, empty one of at most `capacity` bytes; `path` empty: in memory only. kExhausted: disk full.
   static Result<std::shared_ptr<Segment>> Create(const std::filesystem::path& path, uint64_t id,
-                                                 uint64_t schema, uint64_t capacity);
+                                                 uint64_t schema, uint64_t capacity, Force force = SyncFile);
   // An existing one, closed for appending. kCorrupt when it is of another schema or version, with
   // the remedy. A damaged header alone loses nothing: the records prove themselves.
   static Result<std::shared_ptr<Segment>> Open(const std::filesystem::path& path, uint64_t id,
-                                               uint64_t schema);
+                                               uint64_t schema, Force force = SyncFile);
   ~Segment();
   Segment(const Segment&) = delete;
   Segment& operator=(const Segment&) = delete;
@@ -62,8 +65,9 @@ class Segment {
   // Visits each whole record, oldest first. What is torn or damaged is stepped over; a torn end is cut off.
   Result<Scan> Recover(const Visitor& visit);
 
-  // Forces what was appended to the device. Blocks on the disk.
-  Status Sync() const;
+  // Forces what was appended to the device. Blocks on the disk. After a failure the system takes what it
+  // could not write for written: the next call writes all of it once more.
+  Status Sync() const DADRL_EXCLUDES(sync_mutex_);
   // Takes the mapping's pages out of this process's resident memory; they are read again when needed.
   void DropPages() const;
   // Removes the file's name; the mapping stays for those who hold it.
@@ -80,13 +84,18 @@ class Segment {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  Segment(std::filesystem::path path, uint64_t id, FileDescriptor file);
+  Segment(std::filesystem::path path, uint64_t id, FileDescriptor file, Force force);
   Status Map(uint64_t length);
   Status WriteHeader(uint64_t schema);
+  Status WriteAgain() const;
 
   std::filesystem::path path_;
   uint64_t id_;
   FileDescriptor file_;
+  const Force force_;
+  // One at a time: the system tells of a failure once.
+  mutable Mutex sync_mutex_;
+  mutable bool failed_ DADRL_GUARDED_BY(sync_mutex_) = false;
   uint64_t capacity_ = 0;          // of the mapping
   std::atomic<uint64_t> used_{0};  // written by the appending thread, read by all
   std::byte* mapping_ = nullptr;

@@ -71,7 +71,8 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   uint64_t bytes = 0;
   for (const auto& [id, path] : files) {
     next_id_ = id + 1;
-    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, Segment::Open(path, id, options_.schema));
+    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment,
+                           Segment::Open(path, id, options_.schema, options_.force));
     DADRL_ASSIGN_OR_RETURN(const Segment::Scan scan, segment->Recover([&](std::span<const std::byte> record) {
       return visit(segment, record);
     }));
@@ -93,6 +94,9 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   }
   MutexLock lock(mutex_);
   segments_ = std::move(segments);
+  // Whoever wrote them may have died before it forced them.
+  unforced_.assign(segments_.begin(), segments_.end());
+  names_ = segments_.size();
   bytes_ = bytes;
   return {};
 }
@@ -108,21 +112,23 @@ uint64_t SegmentLog::NextSegmentBytes(size_t length) const {
   return std::max(options_.segment_bytes, Segment::HeaderBytes() + Segment::RecordBytes(length));
 }
 
-Status SegmentLog::CloseSegment(bool sync) {
-  if (open_ && sync) DADRL_RETURN_IF_ERROR(open_->Sync());
+void SegmentLog::CloseSegment() {
+  if (!open_) return;
+  MutexLock lock(mutex_);
+  unforced_.push_back(std::move(open_));
   open_.reset();
-  return {};
 }
 
-Status SegmentLog::StartSegment(size_t length, bool sync) {
+Status SegmentLog::StartSegment(size_t length) {
   // The id is taken even when this fails: a file that is half there must not be in the way.
   const uint64_t id = next_id_++;
-  DADRL_ASSIGN_OR_RETURN(std::shared_ptr<Segment> segment,
-                         Segment::Create(PathOf(id), id, options_.schema, NextSegmentBytes(length)));
-  if (sync && !options_.directory.empty()) DADRL_RETURN_IF_ERROR(SyncDirectory(options_.directory));
+  DADRL_ASSIGN_OR_RETURN(
+      std::shared_ptr<Segment> segment,
+      Segment::Create(PathOf(id), id, options_.schema, NextSegmentBytes(length), options_.force));
   open_ = segment;
   MutexLock lock(mutex_);
   segments_.push_back(std::move(segment));
+  ++names_;
   bytes_ += Segment::HeaderBytes();
   return {};
 }
@@ -146,6 +152,7 @@ void SegmentLog::RemoveOldest() {
   MutexLock lock(mutex_);
   if (segments_.empty()) return;
   if (segments_.front() == open_) open_.reset();
+  if (!unforced_.empty() && unforced_.front() == segments_.front()) unforced_.pop_front();
   bytes_ -= segments_.front()->bytes();
   segments_.front()->Unlink();
   segments_.pop_front();
@@ -166,15 +173,35 @@ uint64_t SegmentLog::bytes() const {
   return bytes_;
 }
 
-Status SegmentLog::Sync() const {
-  // Closed segments were forced when they were closed.
+Status SegmentLog::Sync() {
+  std::deque<std::shared_ptr<const Segment>> closed;
   std::shared_ptr<const Segment> newest;
+  uint64_t names = 0;
+  uint64_t forced_names = 0;
   {
     MutexLock lock(mutex_);
     if (segments_.empty()) return {};
+    closed = unforced_;
     newest = segments_.back();
+    names = names_;
+    forced_names = forced_names_;
   }
-  return newest->Sync();
+  for (const auto& segment : closed) {
+    DADRL_RETURN_IF_ERROR(segment->Sync());
+    MutexLock lock(mutex_);
+    std::erase(unforced_, segment);
+  }
+  if (closed.empty() || closed.back() != newest) DADRL_RETURN_IF_ERROR(newest->Sync());
+  if (names == forced_names || options_.directory.empty()) return {};
+  DADRL_RETURN_IF_ERROR(SyncDirectory(options_.directory));
+  MutexLock lock(mutex_);
+  forced_names_ = std::max(forced_names_, names);
+  return {};
+}
+
+size_t SegmentLog::unforced() const {
+  MutexLock lock(mutex_);
+  return unforced_.size();
 }
 
 void SegmentLog::DropPagesBeyond(uint64_t bytes) const {

@@ -19,13 +19,15 @@
 
 namespace dadrl {
 
-// One thread appends, rolls and removes; Sync, DropPagesBeyond and the byte counts are for any thread.
+// One thread appends, rolls and removes; Sync, unforced, DropPagesBeyond and the byte counts are for any
+// thread.
 class SegmentLog {
  public:
   struct Options {
     std::filesystem::path directory;  // created when missing; empty: segments live in memory only
     uint64_t schema = 0;
     uint64_t segment_bytes = uint64_t{64} << 20;
+    Segment::Force force = SyncFile;
   };
   // What recovery found.
   struct Recovery {
@@ -54,10 +56,10 @@ class SegmentLog {
   bool NeedsSegment(size_t length) const;
   // The bytes a segment started for a record of `length` may grow to.
   uint64_t NextSegmentBytes(size_t length) const;
-  // Ends the open segment, forced to the device when `sync`; blocks on the disk. Without one: nothing.
-  Status CloseSegment(bool sync);
+  // Ends the open segment; the next Sync forces it. Without one: nothing.
+  void CloseSegment();
   // Opens the next one; none is open. kExhausted: disk full, try again later.
-  Status StartSegment(size_t length, bool sync);
+  Status StartSegment(size_t length);
   // Needs a segment that fits. kExhausted: disk full, nothing was appended.
   Result<Stored> Append(std::span<const std::byte> record);
 
@@ -80,8 +82,11 @@ class SegmentLog {
 
   // Bytes of all segments.
   uint64_t bytes() const;
-  // Forces everything appended before the call to the device; blocks on the disk.
-  Status Sync() const;
+  // Forces everything appended before the call to the device, what recovery found included; blocks on the
+  // disk. What could not be forced is tried again by the next call.
+  Status Sync();
+  // Closed segments that Sync has still to force.
+  size_t unforced() const;
   // Keeps at most `bytes` of the newest segments in this process's resident memory.
   void DropPagesBeyond(uint64_t bytes) const;
 
@@ -98,6 +103,10 @@ class SegmentLog {
   mutable Mutex mutex_;
   std::deque<std::shared_ptr<Segment>> segments_ DADRL_GUARDED_BY(mutex_);
   uint64_t bytes_ DADRL_GUARDED_BY(mutex_) = 0;
+  std::deque<std::shared_ptr<const Segment>> unforced_ DADRL_GUARDED_BY(mutex_);  // closed, oldest first
+  // Of the folder: names that were added to it, and those of them that are on the device.
+  uint64_t names_ DADRL_GUARDED_BY(mutex_) = 0;
+  uint64_t forced_names_ DADRL_GUARDED_BY(mutex_) = 0;
   // Appended to by the one appending thread; null after recovery and after a failed start.
   std::shared_ptr<Segment> open_;
   uint64_t next_id_ = 1;

@@ -108,8 +108,9 @@ class ShardWriter {
     const ChunkIdentity& identity = chunk.header().identity;
     if (state_.sequences.Check(identity, identity.sequence) != SequenceTable::Verdict::kNext) return false;
     if (log_->NeedsSegment(bytes.size())) {
-      DADRL_RETURN_IF_ERROR(log_->CloseSegment(true));
-      DADRL_RETURN_IF_ERROR(log_->StartSegment(bytes.size(), true));
+      log_->CloseSegment();
+      DADRL_RETURN_IF_ERROR(log_->Sync());
+      DADRL_RETURN_IF_ERROR(log_->StartSegment(bytes.size()));
     }
     DADRL_ASSIGN_OR_RETURN(const SegmentLog::Stored stored, log_->Append(bytes));
     state_.sequences.Accept(identity);
@@ -118,7 +119,7 @@ class ShardWriter {
     return true;
   }
   Status Finish() {
-    DADRL_RETURN_IF_ERROR(log_->CloseSegment(true));
+    DADRL_RETURN_IF_ERROR(log_->Sync());
     return WriteReplayState(log_->directory() / "state", state_);
   }
 

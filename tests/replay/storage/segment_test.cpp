@@ -159,7 +159,7 @@ TEST(SegmentLog, GoesOnInANewSegmentWithANewId) {
                    },
                    recovery)
                    .value();
-    ASSERT_TRUE(log->StartSegment(10, true));
+    ASSERT_TRUE(log->StartSegment(10));
     ASSERT_TRUE(log->Append(Record(static_cast<uint64_t>(run))));
   }
   EXPECT_EQ(ids, (std::vector<uint64_t>{1, 2}));
