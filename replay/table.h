@@ -137,6 +137,7 @@ class ReplayTable {
 
   Stats stats() const;
   uint64_t schema() const { return options_.schema; }
+  const std::filesystem::path& directory() const { return options_.directory; }
   int n_step() const { return options_.n_step; }
   int sequence_length() const { return options_.replay.sequence_length; }
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr Duration kWait = std::chrono::milliseconds(20);
 constexpr Duration kTrimInterval = std::chrono::seconds(1);
+constexpr Duration kSnapshotCheckInterval = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -42,6 +43,7 @@ Keeper::Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWr
       {FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); }},
       {kWait, [this] { return table_.SaveStateOfNewSegment(); }},
       {FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); }},
+      {kSnapshotCheckInterval, [this] { return CheckSnapshots(); }},
       {kTrimInterval, [this] { return table_.TrimMemory(), Status(); }}};
   std::erase_if(chores_, [](const Chore& chore) { return chore.interval == Duration::zero(); });
   for (Chore& chore : chores_) chore.due = clock_.Now() + chore.interval;
@@ -124,9 +126,23 @@ Result<std::string> Keeper::ChangeLimit(const dadrl_idl_ReplayCommand& command) 
 Result<std::string> Keeper::TakeSnapshot(const std::string& name) {
   DADRL_RETURN_IF_ERROR(CheckSnapshotName(name));
   DADRL_ASSIGN_OR_RETURN(const SnapshotReport report, table_.Snapshot(snapshots_ / name));
-  return fmt::format("shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied", shard_,
-                     (snapshots_ / name).string(), static_cast<double>(report.bytes) / 1e6,
-                     static_cast<double>(report.copied_bytes) / 1e6);
+  const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
+  return fmt::format(
+      "shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied; {} snapshots hold {:.1f} MB that the "
+      "replay does not",
+      shard_, (snapshots_ / name).string(), static_cast<double>(report.bytes) / 1e6,
+      static_cast<double>(report.copied_bytes) / 1e6, use.snapshots, static_cast<double>(use.bytes) / 1e6);
+}
+
+Status Keeper::CheckSnapshots() const {
+  const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
+  if (use.bytes <= static_cast<uint64_t>(replay_.max_disk_bytes)) return {};
+  return Fail(
+      ErrorCode::kExhausted,
+      "shard {}: {} snapshots hold {} bytes that the replay has dropped, more than its own "
+      "replay.max_disk_bytes of {}; remove those you do not need from {}, or keep fewer automatic ones "
+      "(replay.snapshots_kept, now {})",
+      shard_, use.snapshots, use.bytes, replay_.max_disk_bytes, snapshots_.string(), replay_.snapshots_kept);
 }
 
 Status Keeper::TakeAutomaticSnapshot() {

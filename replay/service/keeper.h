@@ -19,8 +19,8 @@
 namespace dadrl {
 
 // One thread runs Run. Forces the log to the device (replay.sync: interval), saves the state, takes snapshots
-// into <run directory>/snapshots/shard-K, trims resident memory, and does what `dadrl replay limit` and
-// `dadrl replay snapshot` ask for over the control domain.
+// into <run directory>/snapshots/shard-K, says when these hold too much of the disk, trims resident memory,
+// and does what `dadrl replay limit` and `dadrl replay snapshot` ask for over the control domain.
 class Keeper {
  public:
   // Borrows `table` and `clock`. `on_limit` is called after the rate limiter changed: both sides may be
@@ -53,6 +53,8 @@ class Keeper {
   Result<std::string> ChangeLimit(const dadrl_idl_ReplayCommand& command);
   Result<std::string> TakeSnapshot(const std::string& name);
   Status TakeAutomaticSnapshot();
+  // kExhausted when snapshots hold more than the replay itself may.
+  Status CheckSnapshots() const;
 
   const std::unique_ptr<CommandReader> commands_;
   const std::unique_ptr<AnswerWriter> answers_;

@@ -1,9 +1,12 @@
 #include "replay/storage/snapshot_folder.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <ctime>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -44,6 +47,27 @@ std::string AutomaticSnapshotName(int64_t wall_time_ns) {
   std::array<char, 32> text{};
   const size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
   return {text.data(), length};
+}
+
+SnapshotUse UseOfSnapshots(const fs::path& folder, const fs::path& shard) {
+  SnapshotUse use;
+  std::set<ino_t> counted;  // links do not cross file systems, so the number alone tells files apart
+  const auto visit = [&](const fs::path& directory, bool counts) {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
+      struct stat status {};
+      if (stat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+      if (counted.insert(status.st_ino).second && counts) use.bytes += static_cast<uint64_t>(status.st_size);
+    }
+  };
+  visit(shard, false);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.is_directory(error)) continue;
+    ++use.snapshots;
+    visit(entry.path(), true);
+  }
+  return use;
 }
 
 void RemoveOldSnapshots(const fs::path& folder, int kept) {

@@ -16,6 +16,15 @@ std::filesystem::path SnapshotFolder(const std::filesystem::path& run_directory,
 Status CheckSnapshotName(const std::string& name);
 // "20260131T235959Z": sorts by time.
 std::string AutomaticSnapshotName(int64_t wall_time_ns);
+// What a shard's snapshots cost: files that the shard itself still holds are theirs together, and cost
+// nothing.
+struct SnapshotUse {
+  uint64_t snapshots = 0;
+  uint64_t bytes = 0;  // of files that only snapshots hold
+};
+// `folder` as SnapshotFolder names it, `shard` the folder of the replay itself. What cannot be read is not
+// counted.
+SnapshotUse UseOfSnapshots(const std::filesystem::path& folder, const std::filesystem::path& shard);
 // Removes all automatic snapshots of `folder` but the newest `kept`.
 void RemoveOldSnapshots(const std::filesystem::path& folder, int kept);
 

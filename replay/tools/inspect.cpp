@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "replay/storage/snapshot_folder.h"
 #include "replay/tools/shard_reader.h"
 #include "replay/tools/tool.h"
 
@@ -52,7 +53,22 @@ double PerFrame(uint64_t bytes, uint64_t frames) {
   return frames == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(frames);
 }
 
+// Of those that lie beside the shards, in RUN/snapshots.
+SnapshotUse UseOfSnapshotsBeside(const std::vector<std::filesystem::path>& shards) {
+  SnapshotUse all;
+  for (const std::filesystem::path& shard : shards) {
+    std::error_code error;
+    const std::filesystem::path folder = std::filesystem::canonical(shard, error);
+    const std::filesystem::path run = folder.parent_path().parent_path();
+    const SnapshotUse use = UseOfSnapshots(run / "snapshots" / folder.filename(), folder);
+    all.snapshots += use.snapshots;
+    all.bytes += use.bytes;
+  }
+  return all;
+}
+
 nlohmann::ordered_json Json(const ShardReader& reader, const Contents& c) {
+  const SnapshotUse snapshots = UseOfSnapshotsBeside(reader.shards());
   return {{"shards", reader.shards().size()},
           {"segments", reader.segments()},
           {"bytes", reader.bytes()},
@@ -71,6 +87,7 @@ nlohmann::ordered_json Json(const ShardReader& reader, const Contents& c) {
           {"policy_versions",
            {{"oldest", c.transitions == 0 ? 0 : c.oldest_version}, {"newest", c.newest_version}}},
           {"observation", {{"vehicles", reader.spec().vehicles}, {"history", reader.spec().history}}},
+          {"snapshots", {{"count", snapshots.snapshots}, {"bytes_only_there", snapshots.bytes}}},
           {"damaged_bytes", c.damaged_bytes}};
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "replay/storage/snapshot_folder.h"
 #include "replay/table.h"
 #include "tests/replay/test_chunks.h"
 
@@ -167,6 +168,34 @@ TEST_F(SnapshotTest, OfSegmentsThatWereDroppedMeanwhileItIsACopy) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->copied_bytes, extents.front().bytes);
   EXPECT_EQ(Open(snapshot)->Stored(1, 7), 200u);
+}
+
+TEST_F(SnapshotTest, CostsWhatTheReplayHasDroppedSinceAndWhatWasCopiedOnce) {
+  const auto snapshots = folder_.path() / "snapshots";
+  const auto use = [&] { return UseOfSnapshots(snapshots, options_.directory); };
+  EXPECT_EQ(use().snapshots, 0u);
+  auto table = Open(options_.directory);
+  uint64_t sequence = 0;
+  const auto insert = [&](int count) {
+    for (int i = 0; i < count; ++i) ASSERT_TRUE(table->Insert(Chunk(++sequence)));
+  };
+  insert(600);
+  const uint64_t held = table->stats().disk_bytes;
+  ASSERT_GT(held, uint64_t{3} << 16);
+  const SnapshotReport first = table->Snapshot(snapshots / "first").value();
+  ASSERT_TRUE(table->Snapshot(snapshots / "second"));
+  const uint64_t state_bytes = std::filesystem::file_size(snapshots / "first" / "state");
+  EXPECT_EQ(use().snapshots, 2u);
+  EXPECT_EQ(use().bytes, 2 * (first.copied_bytes + state_bytes));
+  // Until the replay has dropped all that it held then.
+  while (std::filesystem::exists(options_.directory / "segment-000000000001.log")) insert(10);
+  const uint64_t one_dropped = use().bytes;
+  EXPECT_GE(one_dropped, 2 * (first.copied_bytes + state_bytes) + (uint64_t{1} << 15));
+  insert(8000);
+  EXPECT_EQ(use().bytes, first.bytes + first.copied_bytes + 2 * state_bytes) << "what both hold counts once";
+  std::filesystem::remove_all(snapshots / "first");
+  EXPECT_EQ(use().snapshots, 1u);
+  EXPECT_EQ(use().bytes, first.bytes + state_bytes);
 }
 
 TEST_F(SnapshotTest, FailsWholeAndSaysWhy) {

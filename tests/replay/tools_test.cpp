@@ -99,6 +99,16 @@ TEST_F(ToolsTest, InspectCountsWhatIsThereFromAnyOfItsFolders) {
     EXPECT_EQ(json["observation"]["vehicles"], 6);
     EXPECT_EQ(json["damaged_bytes"], 0);
     EXPECT_GT(json["segments"], 1);
+    EXPECT_EQ(json["snapshots"]["count"], 0);
+  }
+  const fs::path snapshot = SnapshotFolder(run_, 0) / "kept";
+  fs::create_directories(snapshot);
+  fs::create_hard_link(FirstSegment(), snapshot / "shared.log");
+  std::ofstream(snapshot / "own.log") << std::string(1000, 'x');
+  for (const fs::path& folder : {run_, run_ / "replay", shard_}) {
+    const auto json = nlohmann::json::parse(RunTool({"inspect", folder.string(), "--json"}).out);
+    EXPECT_EQ(json["snapshots"]["count"], 1) << folder;
+    EXPECT_EQ(json["snapshots"]["bytes_only_there"], 1000) << folder;
   }
   const ToolOutput table = RunTool({"inspect", run_.string()});
   EXPECT_EQ(table.exit_code, 0);
