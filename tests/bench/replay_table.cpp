@@ -4,15 +4,20 @@
 // Prints JSON lines. Each figure stands beside what bounds it, measured in this run on the same data: bare
 // random access for the draws, zstd for the codec, a plain copy for inserts and batches, a checksum of the
 // same files for recovery. of_limit is above 1 where we beat a peer.
+//
+// With an argument, a copy of a shard's folder that was recorded with the default observation: only what
+// that experience keeps resident.
 #include <fmt/core.h>
 #include <unistd.h>
 #include <zstd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <string>
@@ -21,7 +26,6 @@
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "proto/codec/half.h"
-#include "replay/service/replay_service.h"
 #include "replay/table.h"
 #include "tests/bench/chunk_stream.h"
 #include "tests/proto/synthetic_experience.h"
@@ -175,6 +179,33 @@ TableOptions Options(const std::filesystem::path& directory) {
   return options;
 }
 
+// What this process keeps in memory, MB: its own, and pages of files, which the system takes back when it
+// needs them.
+struct Resident {
+  double anonymous = 0.0;
+  double files = 0.0;
+
+  static Resident Now() {
+    Resident now;
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+      double kilobytes = 0.0;
+      if (std::sscanf(line.c_str(), "RssAnon: %lf", &kilobytes) == 1) now.anonymous = kilobytes * 1024e-6;
+      if (std::sscanf(line.c_str(), "RssFile: %lf", &kilobytes) == 1) now.files = kilobytes * 1024e-6;
+    }
+    return now;
+  }
+};
+
+// Beside the bytes that the index counts for itself, and those on disk.
+void PrintResident(const std::string& what, const Resident& before, const ReplayTable::Stats& stats) {
+  const Resident now = Resident::Now();
+  PrintCost("resident with " + what + ": own memory", now.anonymous - before.anonymous, "MB",
+            static_cast<double>(stats.index_bytes) / 1e6);
+  PrintCost("resident with " + what + ": pages of the files", now.files - before.files, "MB",
+            static_cast<double>(stats.disk_bytes) / 1e6);
+}
+
 bool Table(const std::filesystem::path& directory) {
   constexpr uint64_t kChunks = kItems / 64;
   const SystemClock clock;
@@ -188,7 +219,7 @@ bool Table(const std::filesystem::path& directory) {
       bytes += chunk.size();
     }
   });
-  const uint64_t resident_before = ResidentBytes();
+  const Resident before = Resident::Now();
   {
     auto table = ReplayTable::Open(Options(directory), clock);
     if (!table) {
@@ -225,10 +256,7 @@ bool Table(const std::filesystem::path& directory) {
     });
     PrintRate("sample and serialise, batch 256, 3 steps", kBatches * 256 / sampled, "transitions/s",
               kBatches * 256 / copied);
-    const uint64_t resident = ResidentBytes();
-    PrintCost("resident with 1M frames",
-              static_cast<double>(resident - std::min(resident, resident_before)) / 1e6, "MB",
-              static_cast<double>(stats.disk_bytes) / 1e6);
+    PrintResident("1M frames", before, stats);
   }
   const double hashed = Seconds([&] {
     uint64_t sum = 0;
@@ -247,10 +275,24 @@ bool Table(const std::filesystem::path& directory) {
   return true;
 }
 
+bool Recorded(const std::filesystem::path& directory) {
+  const SystemClock clock;
+  const Resident before = Resident::Now();
+  const auto table = ReplayTable::Open(Options(directory), clock);
+  if (!table) {
+    fmt::print(stderr, "error: {}\n", table.error().message);
+    return false;
+  }
+  const ReplayTable::Stats stats = (*table)->stats();
+  PrintResident(fmt::format("{} recorded frames", stats.frames_held), before, stats);
+  return true;
+}
+
 }  // namespace
 }  // namespace dadrl::bench
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) return dadrl::bench::Recorded(argv[1]) ? 0 : 1;
   dadrl::bench::Draws();
   dadrl::bench::Codec();
   const auto directory = std::filesystem::temp_directory_path() / fmt::format("dadrl-bench-{}", getpid());
