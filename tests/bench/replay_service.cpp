@@ -3,10 +3,10 @@
 // Its files are in memory (/dev/shm), so that it is the service that is measured; one case shows what a disk
 // makes of it, beside a plain file of the same bytes on the same disk.
 //
-// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies) only that
-// part. The limit is the same traffic in the same run without a replay: one process writes the same bytes
-// under the same QoS, another takes and drops them. For latencies it is the bare peer answering while it is
-// flooded with chunks in the same way.
+// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies,
+// snapshots) only that part. The limit is the same traffic in the same run without a replay: one process
+// writes the same bytes under the same QoS, another takes and drops them. For latencies it is the bare peer
+// answering while it is flooded with chunks in the same way.
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -214,6 +214,49 @@ void Latencies() {
   print("batch of 256 while inserts run, p99", 3);
 }
 
+// What a snapshot of a million frames does to both sides: prioritised, so that there is most to copy.
+void Snapshots() {
+  constexpr uint64_t kMillion = 1000000 / ChunkStream::kFrames;
+  constexpr uint64_t kMore = 20000;
+  constexpr int kSnapshots = 5;
+  const auto measure = [&](int snapshots) {
+    Config config = OnFreePort();
+    config.replay.sampler = SamplerKind::kPrioritized;
+    const Folder folder(Memory());
+    ReplayProcess replay(folder.path(), config);
+    replay.Start();
+    Peer([&] { return Feed(config, kMillion, true); }).Wait();
+    Peer feed([&] { return Feed(config, kMillion + kMore, true); });
+    Peer fetch([&] { return Fetch(config, {.batches = kAnswers}); });
+    for (int i = 0; i < snapshots; ++i) {
+      const std::string command =
+          fmt::format("{}/bin/dadrl-replay tool snapshot --run-dir {} --name {} >/dev/null 2>&1",
+                      DADRL_BINARY_DIR, folder.path().string(), i);
+      if (std::system(command.c_str()) != 0) spdlog::error("no snapshot: {}", command);
+    }
+    Numbers numbers = feed.Wait();
+    for (const double number : fetch.Wait()) numbers.push_back(number);
+    return numbers;
+  };
+  std::vector<Numbers> without;
+  std::vector<Numbers> with;
+  for (int run = 0; run < kRuns; ++run) {
+    without.push_back(measure(0));
+    with.push_back(measure(kSnapshots));
+  }
+  const auto print = [&](const char* name, size_t which) {
+    const double value = Median(with, which);
+    const double limit = Median(without, which);
+    Print(name, 1e3 * value, "ms", 1e3 * limit, limit / value);
+  };
+  print("insert acknowledged during snapshots, p50", 1);
+  print("insert acknowledged during snapshots, p99", 2);
+  print("insert acknowledged during snapshots, largest", 3);
+  print("batch of 256 during snapshots, p50", 6);
+  print("batch of 256 during snapshots, p99", 7);
+  print("batch of 256 during snapshots, largest", 8);
+}
+
 }  // namespace
 }  // namespace dadrl::bench
 
@@ -225,5 +268,6 @@ int main(int argc, char** argv) {
   if (chosen("disk")) dadrl::bench::InsertsToDisk();
   if (chosen("samples")) dadrl::bench::Samples();
   if (chosen("latencies")) dadrl::bench::Latencies();
+  if (chosen("snapshots")) dadrl::bench::Snapshots();
   return 0;
 }

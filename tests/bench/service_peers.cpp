@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <thread>
 #include <utility>
 
@@ -54,6 +55,8 @@ class Feeder {
     }
     heard_ = Now();
   }
+  // Seconds from sending a chunk to its acknowledgement.
+  std::vector<double> latencies() const { return latencies_; }
   void Run(uint64_t chunks) {
     while (stored_ < chunks) {
       Hear();
@@ -74,6 +77,10 @@ class Feeder {
     acknowledgements_->Take(1000, [this](const dadrl_idl_Acknowledgement& ack) {
       if (ack.actor != 1) return;
       heard_ = Now();
+      while (!sent_.empty() && sent_.front().first <= ack.stored_sequence) {
+        latencies_.push_back(ToSeconds(heard_ - sent_.front().second));
+        sent_.pop_front();
+      }
       stored_ = ack.stored_sequence;
       next_ = std::max(next_, stored_ + 1);
       granted_ = ack.granted_sequence;
@@ -86,7 +93,12 @@ class Feeder {
     message.oldest_kept = stored_ + 1;
     message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
     message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
-    if (chunks_->Write(message)) ++next_;
+    sent_.emplace_back(next_, Now());
+    if (chunks_->Write(message)) {
+      ++next_;
+    } else {
+      sent_.pop_back();
+    }
   }
 
   const std::unique_ptr<dds::Node> node_;
@@ -97,7 +109,16 @@ class Feeder {
   uint64_t stored_ = 0;
   uint64_t granted_;
   uint64_t next_ = 1;
+  std::deque<std::pair<uint64_t, TimePoint>> sent_;  // sequence, and when
+  std::vector<double> latencies_;
 };
+
+// Median, 99th percentile, largest.
+std::vector<double> Distribution(std::vector<double> values) {
+  if (values.empty()) return {0.0, 0.0, 0.0};
+  std::sort(values.begin(), values.end());
+  return {values[values.size() / 2], values[values.size() * 99 / 100], values.back()};
+}
 
 void TakeChunks(const dds::Node& node, uint64_t chunks) {
   const auto acknowledgements =
@@ -154,7 +175,9 @@ std::vector<double> Feed(const Config& config, uint64_t chunks, bool granting) {
   Feeder feeder(config, granting);
   const TimePoint begin = Now();
   feeder.Run(chunks);
-  return {ToSeconds(Now() - begin)};
+  std::vector<double> numbers{ToSeconds(Now() - begin)};
+  for (const double value : Distribution(feeder.latencies())) numbers.push_back(value);
+  return numbers;
 }
 
 void FeedForEver(const Config& config) { Feeder(config, true).Run(UINT64_MAX); }
@@ -201,10 +224,10 @@ std::vector<double> Fetch(const Config& config, const Fetching& fetching) {
     }
   }
   const double seconds = ToSeconds(Now() - begin);
-  std::sort(latencies.begin(), latencies.end());
   const auto count = static_cast<double>(latencies.size());
-  return {seconds * fetching.batches / count, bytes / count, latencies[latencies.size() / 2],
-          latencies[latencies.size() * 99 / 100]};
+  std::vector<double> numbers{seconds * fetching.batches / count, bytes / count};
+  for (const double value : Distribution(latencies)) numbers.push_back(value);
+  return numbers;
 }
 
 void Mirror(const Config& config, uint64_t chunks, int replies_of, size_t reply_bytes) {

@@ -28,8 +28,9 @@ class Peer {
 };
 
 // Sends `chunks` chunks with the replay's own protocol: no more than granted, again when nothing is heard.
-// Returns the seconds until all were stored; without `granting` (a bare peer) everything is granted, and the
-// peer acknowledges once.
+// Returns {seconds until all were stored, median, 99th percentile and largest of the seconds from a chunk to
+// its acknowledgement}; without `granting` (a bare peer) everything is granted, and the peer acknowledges
+// once.
 std::vector<double> Feed(const Config& config, uint64_t chunks, bool granting);
 
 // Feeds until killed.
@@ -41,8 +42,8 @@ struct Fetching {
   int replies_of = 1;   // that one request brings
   uint32_t batch_size = 256;
 };
-// Takes batches; returns {seconds for all, mean bytes, median and 99th percentile of the seconds from request
-// to reply}.
+// Takes batches; returns {seconds for all, mean bytes, median, 99th percentile and largest of the seconds
+// from request to reply}.
 std::vector<double> Fetch(const Config& config, const Fetching& fetching);
 
 // The bare counterpart: drops the chunks it takes, says so after `chunks` of them, and answers each request
