@@ -2,18 +2,12 @@
 
 #include <unistd.h>
 
-#include <numeric>
-
 #include "common/util/log.h"
 
 namespace dadrl {
 namespace {
 
 constexpr Duration kPrintInterval = std::chrono::seconds(30);
-
-double Seconds(const TimeLedger::Totals& totals, Activity activity) {
-  return totals[static_cast<size_t>(activity)];
-}
 
 }  // namespace
 
@@ -55,12 +49,11 @@ void Reporter::Report() {
   const TimePoint now = clock_.Now();
   const TrainingInterval interval = parts_.trainer.TakeInterval();
   const FetchStats fetched = parts_.fetch_stats();
-  const TimeLedger::Totals activity = parts_.trainer.ledger().Read();
+  const ActivityTotals activity = parts_.trainer.ledger().Read();
   parts_.telemetry.Publish(MakeStatus(interval, fetched, activity));
 
-  const double all_s = std::accumulate(activity.begin(), activity.end(), 0.0) -
-                       std::accumulate(activity_.begin(), activity_.end(), 0.0);
-  const double work_s = Seconds(activity, Activity::kWork) - Seconds(activity_, Activity::kWork);
+  const double all_s = activity.AllSeconds() - activity_.AllSeconds();
+  const double work_s = activity[Activity::kWork].seconds - activity_[Activity::kWork].seconds;
   const LogContext context{.wall_time_s = 1e-9 * static_cast<double>(WallTimeNs()),
                            .interval_s = ToSeconds(now - reported_at_),
                            .batch_bytes = static_cast<double>(fetched.bytes - batch_bytes_),
@@ -79,7 +72,7 @@ void Reporter::Report() {
 }
 
 ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
-                                   const TimeLedger::Totals& activity) const {
+                                   const ActivityTotals& activity) const {
   const CheckpointWriter::Progress saved = parts_.checkpoints.progress();
   const TimePoint now = clock_.Now();
   ProcessStatus status;
@@ -88,7 +81,7 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status.incarnation = incarnation_;
   status.sent_ns = WallTimeNs();
   status.uptime_s = ToSeconds(now - started_);
-  status.activity_s = activity;
+  status.activities = activity;
   status[Metric::kUpdates] = static_cast<double>(interval.updates);
   status[Metric::kWeightsVersion] = interval.weights_version;
   status[Metric::kBatchBytes] = static_cast<double>(fetched.bytes);

@@ -35,7 +35,7 @@ class Reporter {
   void Run() DADRL_EXCLUDES(mutex_);
   void Report();
   ProcessStatus MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
-                           const TimeLedger::Totals& activity) const;
+                           const ActivityTotals& activity) const;
 
   const Duration interval_;
   Parts parts_;
@@ -46,7 +46,7 @@ class Reporter {
   // The reporter's thread: what the last report said.
   TimePoint reported_at_;
   TimePoint printed_at_;
-  TimeLedger::Totals activity_{};
+  ActivityTotals activity_;
   uint64_t batch_bytes_ = 0;
 
   Mutex mutex_;

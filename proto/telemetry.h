@@ -69,7 +69,7 @@ struct ProcessStatus {
   int64_t sent_ns = 0;  // wall time
   double uptime_s = 0.0;
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
-  TimeLedger::Totals activity_s{};  // cumulative seconds by Activity of the process's main loop
+  ActivityTotals activities;  // cumulative, of the process's main loop
 
   double& operator[](Metric metric) { return metrics[static_cast<size_t>(metric)]; }
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }

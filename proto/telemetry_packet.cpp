@@ -74,7 +74,11 @@ std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
   message.sent_ns = status.sent_ns;
   message.uptime_s = status.uptime_s;
   std::copy(status.metrics.begin(), status.metrics.end(), message.metrics);
-  std::copy(status.activity_s.begin(), status.activity_s.end(), message.activity_s);
+  for (int i = 0; i < kActivities; ++i) {
+    const TimeSpent& spent = status.activities[static_cast<Activity>(i)];
+    message.activity_s[i] = spent.seconds;
+    message.activity_begun[i] = std::bit_cast<int64_t>(spent.count);
+  }
   return Encode(message);
 }
 
@@ -116,7 +120,10 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
   status.sent_ns = message.sent_ns;
   status.uptime_s = message.uptime_s;
   std::copy_n(message.metrics, kMetrics, status.metrics.begin());
-  std::copy_n(message.activity_s, kActivities, status.activity_s.begin());
+  for (int i = 0; i < kActivities; ++i) {
+    status.activities[static_cast<Activity>(i)] = {std::bit_cast<uint64_t>(message.activity_begun[i]),
+                                                   message.activity_s[i]};
+  }
   return status;
 }
 

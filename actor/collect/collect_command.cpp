@@ -176,7 +176,7 @@ void Actor::FillStatus(ProcessStatus& status) const {
   if (progress.policy_version > 0) {
     set(Metric::kPolicyAgeS, static_cast<double>(status.sent_ns - weights_->published_ns()) / 1e9);
   }
-  status.activity_s = ledger_.Read();
+  status.activities = ledger_.Read();
 }
 
 std::string Actor::WaitingFor() const {

@@ -1,5 +1,7 @@
 #include "common/util/time_ledger.h"
 
+#include <numeric>
+
 namespace dadrl {
 
 std::string_view ActivityName(Activity activity) {
@@ -28,18 +30,24 @@ std::string_view ActivityName(Activity activity) {
   return "unknown";
 }
 
+double ActivityTotals::AllSeconds() const {
+  return std::accumulate(spent_.begin(), spent_.end(), 0.0,
+                         [](double sum, const TimeSpent& spent) { return sum + spent.seconds; });
+}
+
 void TimeLedger::Enter(Activity activity) {
   MutexLock lock(mutex_);
   const TimePoint now = clock_.Now();
-  if (current_ != Activity::kCount) seconds_[static_cast<size_t>(current_)] += ToSeconds(now - since_);
+  if (current_ != Activity::kCount) totals_[current_].seconds += ToSeconds(now - since_);
+  if (activity != current_) ++totals_[activity].count;
   current_ = activity;
   since_ = now;
 }
 
-TimeLedger::Totals TimeLedger::Read() const {
+ActivityTotals TimeLedger::Read() const {
   MutexLock lock(mutex_);
-  Totals totals = seconds_;
-  if (current_ != Activity::kCount) totals[static_cast<size_t>(current_)] += ToSeconds(clock_.Now() - since_);
+  ActivityTotals totals = totals_;
+  if (current_ != Activity::kCount) totals[current_].seconds += ToSeconds(clock_.Now() - since_);
   return totals;
 }
 

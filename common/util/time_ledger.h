@@ -1,8 +1,9 @@
-// Where a thread's time goes: working, or waiting, and for what. The monitor's "who waits for whom" comes
-// from here.
+// Where a thread's time goes: working, or waiting, and for what, how often and how long. The monitor's "who
+// waits for whom" comes from here.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 #include "common/util/clock.h"
@@ -28,23 +29,42 @@ enum class Activity : int {
 // Short stable name, used in the monitor and its JSON ("inserts", "samples", ...).
 std::string_view ActivityName(Activity activity);
 
-// Accumulates seconds per activity. One thread calls Enter; any thread may read Totals.
+// What an activity came to.
+struct TimeSpent {
+  uint64_t count = 0;  // how often it began
+  double seconds = 0.0;
+  bool operator==(const TimeSpent&) const = default;
+};
+
+// By Activity.
+class ActivityTotals {
+ public:
+  static constexpr size_t kSize = static_cast<size_t>(Activity::kCount);
+
+  TimeSpent& operator[](Activity activity) { return spent_[static_cast<size_t>(activity)]; }
+  const TimeSpent& operator[](Activity activity) const { return spent_[static_cast<size_t>(activity)]; }
+  double AllSeconds() const;
+  bool operator==(const ActivityTotals&) const = default;
+
+ private:
+  std::array<TimeSpent, kSize> spent_{};
+};
+
+// Counts and times a thread's activities. One thread calls Enter; any thread may call Read.
 class TimeLedger {
  public:
-  using Totals = std::array<double, static_cast<size_t>(Activity::kCount)>;
-
   // Borrows `clock`; time before the first Enter is not counted.
   explicit TimeLedger(const Clock& clock) : clock_(clock) {}
 
-  // Ends the running activity and starts `activity`.
+  // Ends the running activity and begins `activity`; goes on with it when it is the running one.
   void Enter(Activity activity) DADRL_EXCLUDES(mutex_);
-  // Cumulative seconds by activity, the running one included up to now.
-  Totals Read() const DADRL_EXCLUDES(mutex_);
+  // Cumulative, the running one included up to now.
+  ActivityTotals Read() const DADRL_EXCLUDES(mutex_);
 
  private:
   const Clock& clock_;
   mutable Mutex mutex_;
-  Totals seconds_ DADRL_GUARDED_BY(mutex_){};
+  ActivityTotals totals_ DADRL_GUARDED_BY(mutex_);
   Activity current_ DADRL_GUARDED_BY(mutex_) = Activity::kCount;
   TimePoint since_ DADRL_GUARDED_BY(mutex_){};
 };

@@ -8,7 +8,6 @@ namespace dadrl {
 namespace {
 
 constexpr size_t kRecentEpisodes = 100;
-constexpr double kSmallestWait = 0.01;
 constexpr double kBytesPerMb = 1e6;
 
 Metric ProductOf(dds::Role role) {
@@ -36,11 +35,12 @@ int DisplayOrder(dds::Role role) {
   }
 }
 
-TimeLedger::Totals Shares(const ProcessStatus& first, const ProcessStatus& last) {
-  TimeLedger::Totals shares{};
+std::array<double, ActivityTotals::kSize> Shares(const ActivityTotals& first, const ActivityTotals& last) {
+  std::array<double, ActivityTotals::kSize> shares{};
   double sum = 0.0;
   for (size_t i = 0; i < shares.size(); ++i) {
-    shares[i] = std::max(0.0, last.activity_s[i] - first.activity_s[i]);
+    const auto activity = static_cast<Activity>(i);
+    shares[i] = std::max(0.0, last[activity].seconds - first[activity].seconds);
     sum += shares[i];
   }
   for (double& share : shares) share = sum > 0.0 ? share / sum : 0.0;
@@ -50,8 +50,10 @@ TimeLedger::Totals Shares(const ProcessStatus& first, const ProcessStatus& last)
 void AppendWaits(const ProcessRow& row, std::vector<Wait>& waits) {
   if (row.stale) return;
   for (size_t i = static_cast<size_t>(Activity::kWork) + 1; i < row.share.size(); ++i) {
-    if (row.share[i] < kSmallestWait) continue;
-    waits.push_back({row.name, std::string(ActivityName(static_cast<Activity>(i))), row.share[i]});
+    const auto activity = static_cast<Activity>(i);
+    const TimeSpent& spent = row.activities[activity];
+    if (spent.count == 0) continue;
+    waits.push_back({row.name, std::string(ActivityName(activity)), row.share[i], spent});
   }
 }
 
@@ -168,7 +170,9 @@ ProcessRow ClusterView::Row(const Key& key, const Process& process, TimePoint no
   row.steps_per_s = Rate(process, ProductOf(key.first), now);
   row.metrics = last.metrics;
   // A single message has no earlier one to subtract: its totals since the start.
-  row.share = Shares(process.history.size() > 1 ? process.history.front() : ProcessStatus{}, last);
+  row.share = Shares(process.history.size() > 1 ? process.history.front().activities : ActivityTotals{},
+                     last.activities);
+  row.activities = last.activities;
   return row;
 }
 

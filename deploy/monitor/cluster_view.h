@@ -15,11 +15,12 @@
 
 namespace dadrl {
 
-// Part of its time, 0 to 1, that a process waits for something ("inserts", "batch", ...).
+// What a process waits for ("inserts", "batch", ...).
 struct Wait {
   std::string who;
   std::string for_what;
-  double fraction = 0.0;
+  double fraction = 0.0;  // of its time over the window, 0 to 1
+  TimeSpent spent;        // since the process started
 };
 
 struct MeanMax {
@@ -34,11 +35,12 @@ struct ProcessRow {
   int index = 0;
   int pid = 0;
   double uptime_s = 0.0;
-  double silent_s = 0.0;       // since its last message
-  bool stale = false;          // silent for too long: dead, cut off or stuck
-  int restarts = 0;            // incarnations seen after the first
-  double steps_per_s = 0.0;    // of what it produces: environment steps, inserted frames, updates
-  TimeLedger::Totals share{};  // of its time, by Activity, over the window
+  double silent_s = 0.0;     // since its last message
+  bool stale = false;        // silent for too long: dead, cut off or stuck
+  int restarts = 0;          // incarnations seen after the first
+  double steps_per_s = 0.0;  // of what it produces: environment steps, inserted frames, updates
+  std::array<double, ActivityTotals::kSize> share{};  // of its time, by Activity, over the window
+  ActivityTotals activities;                          // since it started
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
 
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
@@ -75,7 +77,7 @@ struct ClusterSummary {
   double temperature = 0.0;
   double entropy = 0.0;
   double mean_q = 0.0;
-  std::vector<Wait> waits;  // longest first; those under one percent left out
+  std::vector<Wait> waits;  // all that ever began; those that take most of the window first
   // Of the last (up to) 100 training episodes.
   int recent_episodes = 0;
   double recent_success = 0.0;

@@ -49,7 +49,11 @@ Json ScenariosJson(const std::map<std::string, RecentRate>& scenarios) {
 Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
   Json waits = Json::array();
   for (const Wait& wait : summary.waits) {
-    waits.push_back({{"who", wait.who}, {"for", wait.for_what}, {"fraction", Finite(wait.fraction)}});
+    waits.push_back({{"who", wait.who},
+                     {"for", wait.for_what},
+                     {"fraction", Finite(wait.fraction)},
+                     {"count", wait.spent.count},
+                     {"seconds", Finite(wait.spent.seconds)}});
   }
   Json processes = Json::array();
   for (const ProcessRow& row : summary.processes) processes.push_back(ProcessJson(row));

@@ -107,8 +107,10 @@ std::vector<std::string> RenderProcesses(const ClusterSummary& summary, size_t w
         fmt::format("  {:<{}} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, name_width, row.pid,
                     FormatTime(row.uptime_s), row.steps_per_s, 100.0 * row.Share(Activity::kWork));
     for (const Wait& wait : summary.waits) {
-      if (wait.who == row.name)
-        line += fmt::format(", waits {:.0f} % for {}", 100.0 * wait.fraction, wait.for_what);
+      if (wait.who != row.name) continue;
+      line +=
+          fmt::format(", waits {:.0f} % for {} ({} times, {:.1f} s)", 100.0 * wait.fraction, wait.for_what,
+                      Thousands(static_cast<double>(wait.spent.count)), wait.spent.seconds);
     }
     if (row.restarts > 0) line += fmt::format(", restarted {}x", row.restarts);
     if (row.stale) line += fmt::format(", SILENT for {:.0f} s", row.silent_s);

@@ -25,7 +25,7 @@ struct Progress {
 std::vector<std::string> RenderPanel(const Progress& progress, size_t width);
 // The same as one plain line, for logs.
 std::string RenderLine(const Progress& progress);
-// One line a process: share of time working and waiting, ages, restarts.
+// One line a process: share of time working and waiting, how often and how long it waited for what, restarts.
 std::vector<std::string> RenderProcesses(const ClusterSummary& summary, size_t width);
 
 // 3725 -> "1:02:05".

@@ -76,6 +76,7 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
   // A batch that nobody receives is lost, and its samples are spent.
   if (!pending_.empty() && endpoints_.replies->matched() > 0) {
     if (Result<DrawnItems> items = Draw(pending_.front())) {
+      ledger_.Enter(Activity::kWork);  // ends the wait; looking whether it is over does not
       Drawn drawn{pending_.front(), std::move(*items)};
       pending_.pop_front();
       order_.TakePlace(drawn.request.id);
@@ -87,7 +88,6 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
   ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
   endpoints_.requests->Wait(kWait);
   waiting_.store(false);
-  ledger_.Enter(Activity::kWork);
   return std::nullopt;
 }
 

@@ -145,13 +145,15 @@ void ReplayService::PublishStatus() {
   status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
   status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
   // The server's thread shows which side is slower; from the ingest thread come only the waits it alone has.
-  status.activity_s = server_->ledger().Read();
-  const TimeLedger::Totals ingest = ingest_->ledger().Read();
+  status.activities = server_->ledger().Read();
+  const ActivityTotals ingest = ingest_->ledger().Read();
   for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {
-    status.activity_s[static_cast<size_t>(activity)] = ingest[static_cast<size_t>(activity)];
+    status.activities[activity] = ingest[activity];
   }
   // Within its work: inserts that had to begin a segment.
-  status.activity_s[static_cast<size_t>(Activity::kWaitForDisk)] += table.for_disk.seconds;
+  TimeSpent& for_disk = status.activities[Activity::kWaitForDisk];
+  for_disk.count += table.for_disk.count;
+  for_disk.seconds += table.for_disk.seconds;
   telemetry_->Publish(status);
 }
 

@@ -178,7 +178,7 @@ TEST_F(TrainerTest, ReportsWhatItWaitsForAndHowStaleTheExperienceIs) {
   run.batches.available = 0;
   ASSERT_EQ(run.trainer->RunStep(Duration::zero()).value(), Trainer::Step::kNoBatch);
   run.clock.Advance(3s);
-  EXPECT_DOUBLE_EQ(run.trainer->ledger().Read()[static_cast<size_t>(Activity::kWaitForInserts)], 3.0);
+  EXPECT_DOUBLE_EQ(run.trainer->ledger().Read()[Activity::kWaitForInserts].seconds, 3.0);
 }
 
 TEST_F(TrainerTest, ReturnsPrioritiesOnlyToAPrioritisedSampler) {

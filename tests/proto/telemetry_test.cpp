@@ -21,7 +21,9 @@ ProcessStatus SomeStatus() {
   status.sent_ns = 1234567890123;
   status.uptime_s = 12.5;
   for (size_t i = 0; i < status.metrics.size(); ++i) status.metrics[i] = 0.5 + static_cast<double>(i);
-  for (size_t i = 0; i < status.activity_s.size(); ++i) status.activity_s[i] = 100.0 + static_cast<double>(i);
+  for (size_t i = 0; i < ActivityTotals::kSize; ++i) {
+    status.activities[static_cast<Activity>(i)] = {1000 + i, 100.0 + static_cast<double>(i)};
+  }
   return status;
 }
 
@@ -52,7 +54,7 @@ void ExpectEqual(const ProcessStatus& a, const ProcessStatus& b) {
   EXPECT_EQ(a.sent_ns, b.sent_ns);
   EXPECT_EQ(a.uptime_s, b.uptime_s);
   EXPECT_EQ(a.metrics, b.metrics);
-  EXPECT_EQ(a.activity_s, b.activity_s);
+  EXPECT_EQ(a.activities, b.activities);
 }
 
 TEST(MetricName, IsDifferentForEveryMetric) {

@@ -120,7 +120,7 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
       return last[Metric::kPolicyVersion] == 1 && last[Metric::kDecisions] > 80;
     }));
     EXPECT_GE(last[Metric::kEnvSteps], last[Metric::kDecisions]);
-    EXPECT_GT(last.activity_s[static_cast<size_t>(Activity::kWaitForSimulator)], 0);
+    EXPECT_GT(last.activities[Activity::kWaitForSimulator].seconds, 0.0);
   }
   actor.Terminate();
   EXPECT_EQ(actor.Wait(), 0);

@@ -244,7 +244,8 @@ TEST_F(CollectorTest, WaitsOutsideTheSimulatorWhileTheSinkIsBlocked) {
   Collector collector = Make();
   ASSERT_TRUE(collector.RunEpisode().value());
   EXPECT_EQ(environment_.actions.size(), 3);
-  EXPECT_NEAR(ledger_.Read()[static_cast<size_t>(Activity::kWaitForReplay)], 2.0, 0.01);
+  EXPECT_NEAR(ledger_.Read()[Activity::kWaitForReplay].seconds, 2.0, 0.01);
+  EXPECT_EQ(ledger_.Read()[Activity::kWaitForReplay].count, 1u);
 }
 
 TEST_F(CollectorTest, StopsInTheMiddleOfAnEpisodeAndInAWait) {

@@ -21,10 +21,23 @@ TEST(TimeLedger, CountsEachActivityAndTheRunningOne) {
     clock.Advance(seconds(3));
   }
   clock.Advance(seconds(4));
-  const TimeLedger::Totals totals = ledger.Read();
-  EXPECT_DOUBLE_EQ(totals[static_cast<size_t>(Activity::kWork)], 6.0);
-  EXPECT_DOUBLE_EQ(totals[static_cast<size_t>(Activity::kWaitForBatch)], 3.0);
-  EXPECT_DOUBLE_EQ(totals[static_cast<size_t>(Activity::kWaitForDisk)], 0.0);
+  const ActivityTotals totals = ledger.Read();
+  EXPECT_EQ(totals[Activity::kWork], (TimeSpent{2, 6.0}));
+  EXPECT_EQ(totals[Activity::kWaitForBatch], (TimeSpent{1, 3.0}));
+  EXPECT_EQ(totals[Activity::kWaitForDisk], (TimeSpent{0, 0.0}));
+  EXPECT_DOUBLE_EQ(totals.AllSeconds(), 9.0);
+}
+
+TEST(TimeLedger, GoingOnWithAWaitIsNoNewOne) {
+  ManualClock clock;
+  TimeLedger ledger(clock);
+  for (int poll = 0; poll < 5; ++poll) {
+    ledger.Enter(Activity::kWaitForInserts);
+    clock.Advance(seconds(1));
+  }
+  ledger.Enter(Activity::kWaitForBatch);
+  ledger.Enter(Activity::kWaitForInserts);
+  EXPECT_EQ(ledger.Read()[Activity::kWaitForInserts], (TimeSpent{2, 5.0}));
 }
 
 TEST(TimeLedger, NamesEveryActivityOnce) {

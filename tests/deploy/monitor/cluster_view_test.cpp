@@ -93,12 +93,12 @@ TEST(ClusterView, IgnoresTheLateWordOfADeadIncarnation) {
 TEST(ClusterView, SharesOfTimeBecomeWaitsLongestFirst) {
   ClusterView view = MakeView();
   ProcessStatus learner = MakeStatus(dds::Role::kLearner, 0, 10.0);
-  Seconds(learner, Activity::kWork) = 100.0;  // before the window's first message: must not count
+  learner.activities[Activity::kWork].seconds = 100.0;  // before the window's first message: must not count
   view.Add(learner, kStart);
   learner.uptime_s = 20.0;
-  Seconds(learner, Activity::kWork) += 5.0;
-  Seconds(learner, Activity::kWaitForInserts) += 3.0;
-  Seconds(learner, Activity::kWaitForBatch) += 2.0;
+  learner.activities[Activity::kWork].seconds += 5.0;
+  learner.activities[Activity::kWaitForInserts] = {7, 3.0};
+  learner.activities[Activity::kWaitForBatch] = {400, 2.0};
   view.Add(learner, kStart + seconds(10));
   const ClusterSummary summary = view.Summarize(kStart + seconds(10));
   ASSERT_EQ(summary.waits.size(), 2u);
@@ -106,7 +106,23 @@ TEST(ClusterView, SharesOfTimeBecomeWaitsLongestFirst) {
   EXPECT_EQ(summary.waits[0].for_what, "inserts");
   EXPECT_DOUBLE_EQ(summary.waits[0].fraction, 0.3);
   EXPECT_EQ(summary.waits[1].for_what, "batch");
+  EXPECT_EQ(summary.waits[1].spent, (TimeSpent{400, 2.0}));
   EXPECT_DOUBLE_EQ(summary.processes[0].Share(Activity::kWork), 0.5);
+}
+
+TEST(ClusterView, AWaitThatIsOverStaysCounted) {
+  ClusterView view = MakeView();
+  ProcessStatus replay = MakeStatus(dds::Role::kReplay, 0, 10.0);
+  replay.activities[Activity::kWaitForDisk] = {3, 0.5};
+  view.Add(replay, kStart);
+  replay.uptime_s = 20.0;
+  replay.activities[Activity::kWork] = {1, 10.0};
+  view.Add(replay, kStart + seconds(10));
+  const ClusterSummary summary = view.Summarize(kStart + seconds(10));
+  ASSERT_EQ(summary.waits.size(), 1u);
+  EXPECT_EQ(summary.waits[0].for_what, "disk");
+  EXPECT_EQ(summary.waits[0].fraction, 0.0);
+  EXPECT_EQ(summary.waits[0].spent, (TimeSpent{3, 0.5}));
 }
 
 TEST(ClusterView, AddsReplayShardsAndTakesTheLearnersWord) {

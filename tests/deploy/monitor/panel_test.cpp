@@ -52,6 +52,18 @@ TEST(Panel, NeverWrapsANarrowTerminal) {
   for (const std::string& line : RenderPanel(Sample(), 40)) EXPECT_LE(line.size(), 40u) << line;
 }
 
+TEST(Panel, SaysHowOftenAndHowLongEachProcessWaitedForWhat) {
+  ClusterSummary summary;
+  summary.processes.emplace_back().name = "replay-0";
+  summary.waits.push_back({"replay-0", "credits", 0.75, {12345, 61.25}});
+  summary.waits.push_back({"replay-0", "disk", 0.0, {2, 0.125}});
+  summary.waits.push_back({"learner", "inserts", 0.0, {1, 1.0}});
+  EXPECT_THAT(
+      RenderProcesses(summary, 200),
+      testing::ElementsAre(testing::EndsWith("works   0 %, waits 75 % for credits (12,345 times, 61.2 s), "
+                                             "waits 0 % for disk (2 times, 0.1 s)")));
+}
+
 TEST(Panel, FormatsTimes) {
   EXPECT_EQ(FormatTime(0), "0:00");
   EXPECT_EQ(FormatTime(61.9), "1:01");
@@ -106,7 +118,7 @@ TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
   summary.sampled_mb_per_s = 3.0;
   summary.staleness_versions = {2.0, 7.0};
   summary.critic_loss = std::numeric_limits<double>::quiet_NaN();
-  summary.waits.push_back({"learner", "inserts", 0.25});
+  summary.waits.push_back({"learner", "inserts", 0.25, {12, 3.5}});
   const auto json = MonitorJson(summary, "none");
   for (const char* key : {"env_steps_per_s", "inserted_frames_per_s", "sampled_transitions_per_s", "mb_per_s",
                           "updates_per_s", "weights_version", "replay_frames", "replay_bytes",
@@ -116,6 +128,8 @@ TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(json["mb_per_s"], 4.5);
   EXPECT_EQ(json["staleness_versions"]["max"], 7.0);
   EXPECT_EQ(json["waits"][0]["for"], "inserts");
+  EXPECT_EQ(json["waits"][0]["count"], 12);
+  EXPECT_EQ(json["waits"][0]["seconds"], 3.5);
   EXPECT_EQ(nlohmann::json::parse(json.dump())["losses"]["critic"], 0.0);
 }
 

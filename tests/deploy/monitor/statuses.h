@@ -15,8 +15,4 @@ inline ProcessStatus MakeStatus(dds::Role role, int index, double uptime_s, uint
   return status;
 }
 
-inline double& Seconds(ProcessStatus& status, Activity activity) {
-  return status.activity_s[static_cast<size_t>(activity)];
-}
-
 }  // namespace dadrl
