@@ -85,6 +85,7 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status[Metric::kUpdates] = static_cast<double>(interval.updates);
   status[Metric::kWeightsVersion] = interval.weights_version;
   status[Metric::kBatchBytes] = static_cast<double>(fetched.bytes);
+  status[Metric::kCorruptBatches] = static_cast<double>(fetched.corrupt);
   status[Metric::kStalenessVersionsMean] = interval.staleness.versions_mean;
   status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
   status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;

@@ -103,14 +103,20 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
   return bytes;
 }
 
-Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
+Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault* fault) {
+  const auto checking = [fault](ChunkFault what) {
+    if (fault != nullptr) *fault = what;
+  };
+  checking(ChunkFault::kLength);
   if (bytes.size() < kChunkHeaderBytes + kChecksumBytes || bytes.size() > kMaxChunkBytes) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes; one has {} to {}", bytes.size(),
                 kChunkHeaderBytes + kChecksumBytes, kMaxChunkBytes);
   }
   ByteReader reader(bytes);
+  checking(ChunkFault::kGarbage);
   if (reader.Get<uint32_t>() != kChunkMagic) return Fail(ErrorCode::kCorrupt, "chunk has no magic number");
   const auto version = reader.Get<uint32_t>();
+  checking(ChunkFault::kVersion);
   if (version != kExperienceVersion) {
     return Fail(ErrorCode::kCorrupt, "chunk has version {}, this build reads {}", version,
                 kExperienceVersion);
@@ -127,6 +133,7 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   header.episode = reader.Get<uint64_t>();
   header.schema = reader.Get<uint64_t>();
   const size_t frames = header.frames;
+  checking(ChunkFault::kLength);
   if (frames < 1 || frames > kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", frames, kMaxChunkFrames);
   }
@@ -134,10 +141,12 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes) {
   if (bytes.size() != expected) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
   }
+  checking(ChunkFault::kChecksum);
   if (Xxh3(bytes.first(bytes.size() - kChecksumBytes)) != Load<uint64_t>(&bytes[bytes.size() - 8], 0)) {
     return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
   }
   view.payload_bytes_ = payload_bytes;
+  checking(ChunkFault::kContents);
   if (header.identity.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.identity.sequence,
                 header.first_frame);

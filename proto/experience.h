@@ -121,12 +121,24 @@ class ChunkBuilder {
   std::vector<std::byte> payloads_;
 };
 
+// Why a chunk is not taken. ChunkView::Parse finds the first five, a replay the others.
+enum class ChunkFault : int {
+  kGarbage = 0,  // no chunk at all
+  kVersion,      // of the format
+  kLength,       // of the message, or of what it claims to hold
+  kChecksum,
+  kContents,  // impossible flags or numbers, or frames that cannot be decoded
+  kSchema,    // of other observations
+  kStale,     // of an actor that has been restarted since, or of one actor too many
+  kCount,
+};
+
 // A validated look into a chunk's bytes; borrows them.
 class ChunkView {
  public:
   // Checks magic, version, lengths, offsets, flags and their order, finiteness of actions and rewards,
-  // checksum; not the payloads. Never reads outside `bytes`. kCorrupt with what was wrong.
-  static Result<ChunkView> Parse(std::span<const std::byte> bytes);
+  // checksum; not the payloads. Never reads outside `bytes`. kCorrupt with what was wrong, and `fault` set.
+  static Result<ChunkView> Parse(std::span<const std::byte> bytes, ChunkFault* fault = nullptr);
 
   // Looks at `copy` from now on: the same bytes at another place. Nothing is checked again.
   void Rebase(std::span<const std::byte> copy) { bytes_ = copy; }

@@ -36,8 +36,16 @@ enum class Metric : int {
   kInsertedBytes,
   kSampledTransitions,
   kSampledBytes,
-  kRejectedChunks,   // malformed, alien schema
-  kDuplicateChunks,  // seen before; dropped
+  kRejectedGarbage,  // chunks that were not taken, by ChunkFault and in its order
+  kRejectedVersion,
+  kRejectedLength,
+  kRejectedChecksum,
+  kRejectedContents,
+  kRejectedSchema,
+  kRejectedStale,
+  kDuplicateChunks,  // stored before; dropped
+  kLostChunks,       // skipped: their actors no longer have them
+  kRefusedRequests,  // for batches that could never be served
   kFramesHeld,       // now
   kMemoryBytes,      // now
   kDiskBytes,        // now
@@ -45,6 +53,7 @@ enum class Metric : int {
   kUpdates,                // cumulative
   kWeightsVersion,         // now
   kBatchBytes,             // cumulative, received
+  kCorruptBatches,         // cumulative, dropped
   kStalenessVersionsMean,  // of the last batches: newest version minus the acting one
   kStalenessVersionsMax,
   kStalenessSecondsMean,  // the same in seconds

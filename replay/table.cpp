@@ -59,28 +59,26 @@ Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, con
   return table;
 }
 
-Result<ChunkView> ReplayTable::Parse(std::span<const std::byte> bytes) const {
-  DADRL_ASSIGN_OR_RETURN(ChunkView chunk, ChunkView::Parse(bytes));
-  if (chunk.header().schema != options_.schema) {
-    return Fail(
-        ErrorCode::kCorrupt,
-        "actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the actor with the "
-        "configuration of the run",
-        chunk.header().identity.actor, chunk.header().schema, options_.schema);
-  }
-  return chunk;
-}
-
-ReplayTable::Insertion ReplayTable::Refuse(const Error& reason) {
+ReplayTable::Insertion ReplayTable::Refuse(ChunkFault fault, const Error& reason) {
   MutexLock lock(mutex_);
-  if (counters_.rejected_chunks++ == 0)
-    spdlog::warn("refused a chunk (more are counted): {}", reason.message);
+  if (counters_.rejected_chunks[static_cast<size_t>(fault)]++ == 0) {
+    spdlog::warn("refused a chunk (more like it are counted): {}", reason.message);
+  }
   return Insertion::kRejected;
 }
 
 Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> bytes, uint64_t oldest_kept) {
-  const Result<ChunkView> chunk = Parse(bytes);
-  if (!chunk) return Refuse(chunk.error());
+  ChunkFault fault{};
+  const Result<ChunkView> chunk = ChunkView::Parse(bytes, &fault);
+  if (!chunk) return Refuse(fault, chunk.error());
+  if (chunk->header().schema != options_.schema) {
+    return Refuse(
+        ChunkFault::kSchema,
+        {ErrorCode::kCorrupt,
+         fmt::format("actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the "
+                     "actor with the configuration of the run",
+                     chunk->header().identity.actor, chunk->header().schema, options_.schema)});
+  }
   const ChunkIdentity identity = chunk->header().identity;
   MutexLock inserting(insert_mutex_);
   switch (sequences_.Check(identity, std::min(oldest_kept, identity.sequence))) {
@@ -99,6 +97,7 @@ Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> by
     case SequenceTable::Verdict::kStale:
     case SequenceTable::Verdict::kTooMany:
       return Refuse(
+          ChunkFault::kStale,
           {ErrorCode::kExhausted,
            fmt::format("actor {}, incarnation {}: an actor that has been restarted since, or one of "
                        "too many",
@@ -106,7 +105,7 @@ Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> by
   }
   if (const Status sound = options_.verify ? options_.verify(*chunk) : Status(); !sound) {
     sequences_.Accept(identity);
-    return Refuse(sound.error());
+    return Refuse(ChunkFault::kContents, sound.error());
   }
   DADRL_RETURN_IF_ERROR(Store(*chunk));
   return Insertion::kStored;
@@ -167,6 +166,13 @@ Status ReplayTable::DropOldestSegment() {
   const uint64_t oldest = log_->oldest_id();
   MutexLock lock(mutex_);
   index_.DropSegmentsBefore(oldest);
+  if (index_.items() > 0 || limiter_.state().sampled > 0 || std::exchange(told_too_small_, true)) return {};
+  spdlog::warn(
+      "the oldest frames leave before any could be drawn: replay.max_disk_bytes {} and "
+      "replay.max_memory_bytes {} keep {} frames, and each waits for {} decisions of its episode to follow; "
+      "raise them, or lower replay.sequence_length or algorithm.n_step",
+      options_.replay.max_disk_bytes, options_.replay.max_memory_bytes, index_.frames(),
+      IndexOptions(options_).n_step);
   return {};
 }
 

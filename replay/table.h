@@ -9,6 +9,7 @@
 // resident.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -62,12 +63,12 @@ class ReplayTable {
     uint64_t inserted_frames = 0;  // with an action, since the run began
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
     uint64_t duplicate_chunks = 0;
-    uint64_t rejected_chunks = 0;  // malformed, alien schema, stale incarnation
-    uint64_t early_chunks = 0;     // dropped because one before them is still to come
-    uint64_t lost_chunks = 0;      // skipped: their actors no longer have them
-    uint64_t sampled = 0;          // transitions, since the run began
-    uint64_t frames_held = 0;      // with an action
-    uint64_t items = 0;            // of them, those that can be sampled
+    std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
+    uint64_t early_chunks = 0;  // dropped because one before them is still to come
+    uint64_t lost_chunks = 0;   // skipped: their actors no longer have them
+    uint64_t sampled = 0;       // transitions, since the run began
+    uint64_t frames_held = 0;   // with an action
+    uint64_t items = 0;         // of them, those that can be sampled
     uint64_t chunks_held = 0;
     uint64_t index_bytes = 0;
     uint64_t disk_bytes = 0;
@@ -159,8 +160,7 @@ class ReplayTable {
   Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
   Status CheckWanted(const Wanted& wanted) const;
-  Result<ChunkView> Parse(std::span<const std::byte> bytes) const;
-  Insertion Refuse(const Error& reason) DADRL_EXCLUDES(mutex_);
+  Insertion Refuse(ChunkFault fault, const Error& reason) DADRL_EXCLUDES(mutex_);
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status RollSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
@@ -182,6 +182,7 @@ class ReplayTable {
   ChunkIndex index_ DADRL_GUARDED_BY(mutex_);
   RateLimiter limiter_ DADRL_GUARDED_BY(mutex_);
   Random random_ DADRL_GUARDED_BY(mutex_);
+  bool told_too_small_ DADRL_GUARDED_BY(mutex_) = false;
   Stats counters_ DADRL_GUARDED_BY(mutex_);  // only what the parts do not know themselves
 
   // Before this one every segment is in the state on disk.

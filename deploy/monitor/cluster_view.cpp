@@ -10,6 +10,25 @@ namespace {
 constexpr size_t kRecentEpisodes = 100;
 constexpr double kBytesPerMb = 1e6;
 
+struct RejectionKind {
+  dds::Role role;
+  Metric metric;
+  const char* name;
+};
+constexpr RejectionKind kRejectionKinds[] = {
+    {dds::Role::kReplay, Metric::kRejectedGarbage, "garbage"},
+    {dds::Role::kReplay, Metric::kRejectedVersion, "other format version"},
+    {dds::Role::kReplay, Metric::kRejectedLength, "wrong length"},
+    {dds::Role::kReplay, Metric::kRejectedChecksum, "wrong checksum"},
+    {dds::Role::kReplay, Metric::kRejectedContents, "impossible contents"},
+    {dds::Role::kReplay, Metric::kRejectedSchema, "other observations"},
+    {dds::Role::kReplay, Metric::kRejectedStale, "replaced actor"},
+    {dds::Role::kReplay, Metric::kDuplicateChunks, "duplicate"},
+    {dds::Role::kReplay, Metric::kLostChunks, "lost"},
+    {dds::Role::kReplay, Metric::kRefusedRequests, "refused request"},
+    {dds::Role::kLearner, Metric::kCorruptBatches, "corrupt batch"},
+};
+
 Metric ProductOf(dds::Role role) {
   switch (role) {
     case dds::Role::kReplay:
@@ -218,6 +237,10 @@ ClusterSummary ClusterView::Summarize(TimePoint now) const {
   summary.env_steps = Total(dds::Role::kActor, Metric::kEnvSteps);
   summary.episodes = Total(dds::Role::kActor, Metric::kEpisodes);
   summary.inserted_frames = Total(dds::Role::kReplay, Metric::kInsertedFrames);
+  for (const RejectionKind& kind : kRejectionKinds) {
+    const double count = Total(kind.role, kind.metric);
+    if (count > 0.0) summary.rejected[kind.name] = count;
+  }
   AddRecentEpisodes(episodes_, summary);
   return summary;
 }

@@ -72,6 +72,9 @@ struct ClusterSummary {
   double replay_bytes = 0.0;
   MeanMax staleness_versions;
   MeanMax staleness_s;
+  // What was refused or dropped since the view began, by kind ("garbage", "duplicate chunks"); only what
+  // happened.
+  std::map<std::string, double> rejected;
   double critic_loss = 0.0;
   double actor_loss = 0.0;
   double temperature = 0.0;

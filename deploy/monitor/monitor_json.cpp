@@ -71,6 +71,7 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"staleness_versions", MeanMaxJson(summary.staleness_versions)},
           {"staleness_s", MeanMaxJson(summary.staleness_s)},
           {"waits", waits},
+          {"rejected", summary.rejected},
           {"bottleneck", bottleneck},
           {"losses",
            {{"critic", Finite(summary.critic_loss)},

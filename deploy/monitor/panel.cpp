@@ -50,6 +50,15 @@ std::string RecentScenarios(const ClusterSummary& s) {
   return text;
 }
 
+// "5 duplicate, 2 wrong checksum"
+std::string Rejected(const ClusterSummary& s) {
+  std::string text;
+  for (const auto& [kind, count] : s.rejected) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", Thousands(count), kind);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string FormatTime(double seconds) {
@@ -70,6 +79,7 @@ std::vector<std::string> RenderPanel(const Progress& progress, size_t width) {
       fmt::format("  replay      {} frames, {:.1f} MB, {:.0f} inserted/s, {:.0f} sampled/s, {:.1f} MB/s",
                   Thousands(s.replay_frames), s.replay_bytes / 1e6, s.inserted_frames_per_s,
                   s.sampled_transitions_per_s, s.inserted_mb_per_s + s.sampled_mb_per_s));
+  if (!s.rejected.empty()) lines.push_back("  rejected    " + Rejected(s));
   lines.push_back(
       fmt::format("  learner     {} updates, {:.1f} updates/s, critic loss {:.3g}, temperature {:.3g}",
                   Thousands(s.updates), s.updates_per_s, s.critic_loss, s.temperature));

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
 #include <utility>
@@ -139,8 +140,10 @@ void ReplayService::PublishStatus() {
   status[Metric::kInsertedBytes] = static_cast<double>(table.inserted_bytes);
   status[Metric::kSampledTransitions] = static_cast<double>(table.sampled);
   status[Metric::kSampledBytes] = static_cast<double>(server_->statistics().bytes);
-  status[Metric::kRejectedChunks] = static_cast<double>(table.rejected_chunks);
+  std::copy(table.rejected_chunks.begin(), table.rejected_chunks.end(), &status[Metric::kRejectedGarbage]);
   status[Metric::kDuplicateChunks] = static_cast<double>(table.duplicate_chunks);
+  status[Metric::kLostChunks] = static_cast<double>(table.lost_chunks);
+  status[Metric::kRefusedRequests] = static_cast<double>(server_->statistics().refused_requests);
   status[Metric::kFramesHeld] = static_cast<double>(table.frames_held);
   status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
   status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);

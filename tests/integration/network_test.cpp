@@ -56,6 +56,16 @@ constexpr double kCut_s = 10.0 * kLease_s;
 // Less than the actor drives during the cut.
 constexpr int kMaxBytes = 1 << 16;
 
+// How often an actor has begun to wait for the replay.
+uint64_t WaitsForReplay(const json& monitor) {
+  uint64_t count = 0;
+  for (const json& wait : monitor["waits"]) {
+    const bool actors = wait["who"].get<std::string>().starts_with("actor");
+    if (actors && wait["for"] == "replay") count += wait["count"].get<uint64_t>();
+  }
+  return count;
+}
+
 class TwoMachines : public testing::Test {
  protected:
   void SetUp() override {
@@ -135,6 +145,7 @@ TEST_F(TwoMachines, APulledCableCostsAndRepeatsNothingAndTrainingGoesOnByItself)
   });
   ASSERT_TRUE(after) << Said();
   for (const char* name : {"replay-0", "learner"}) EXPECT_EQ(PidOf(*after, name), PidOf(*before, name));
+  EXPECT_GT(WaitsForReplay(*after), WaitsForReplay(*before)) << "what an actor may keep has no bound";
 
   Stop(*actors_);
   actors_.reset();

@@ -1,12 +1,15 @@
 // Fixed-length sequences from the table to what a learner decodes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include <cstring>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "common/io/checksum.h"
+#include "common/util/log.h"
 #include "proto/sequence_batch.h"
 #include "replay/table.h"
 #include "tests/replay/test_chunks.h"
@@ -124,6 +127,27 @@ TEST_F(SequencesTest, SlicesCanBeDrawnBesideThemAndLongerOnesAreRefused) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, testing::HasSubstr("replay.sequence_length 5"));
   EXPECT_EQ(table->stats().sampled, 4u + 4u * 3u);
+}
+
+TEST_F(SequencesTest, AReplayTooSmallForOneSaysSoOnce) {
+  std::ostringstream log;
+  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(log);
+  spdlog::default_logger()->sinks().push_back(sink);
+  TemporaryFolder folder;
+  TableOptions options{
+      .directory = folder.path(), .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+  options.replay.segment_bytes = 4096;
+  options.replay.max_disk_bytes = 16384;
+  options.replay.sequence_length = 256;
+  const auto table = ReplayTable::Open(options, clock_).value();
+  for (uint32_t chunk = 0; chunk < 400; ++chunk) {
+    ASSERT_EQ(table->Insert(Build({.identity = {1, 1, chunk + 1}, .first_frame = 4 * chunk})),
+              ReplayTable::Insertion::kStored);
+  }
+  spdlog::default_logger()->sinks().pop_back();
+  EXPECT_EQ(table->stats().items, 0u);
+  EXPECT_THAT(log.str(), testing::HasSubstr("each waits for 256 decisions of its episode to follow"));
+  EXPECT_EQ(log.str().find("max_disk_bytes"), log.str().rfind("max_disk_bytes"));
 }
 
 TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {

@@ -72,7 +72,12 @@ TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
   EXPECT_EQ(table->Insert(alien.Finish({1, 1, 1})), Insertion::kRejected);
   EXPECT_EQ(table->Insert(EpisodeChunk(1), 1), Insertion::kStored);
   EXPECT_EQ(table->Insert(EpisodeChunk(2), 2), Insertion::kRejected);
-  EXPECT_EQ(table->stats().rejected_chunks, 3u);
+  const auto rejected = [&](ChunkFault fault) {
+    return table->stats().rejected_chunks[static_cast<size_t>(fault)];
+  };
+  EXPECT_EQ(rejected(ChunkFault::kGarbage), 1u);
+  EXPECT_EQ(rejected(ChunkFault::kSchema), 1u);
+  EXPECT_EQ(rejected(ChunkFault::kContents), 1u);
   // The bad chunk is done with: its actor goes on.
   EXPECT_EQ(table->Stored(1, 1), 2u);
   EXPECT_EQ(table->Insert(EpisodeChunk(3), 3), Insertion::kStored);

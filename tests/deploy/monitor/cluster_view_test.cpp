@@ -161,6 +161,26 @@ TEST(ClusterView, AddsReplayShardsAndTakesTheLearnersWord) {
   EXPECT_EQ(summary.processes[2].name, "replay-1");
 }
 
+TEST(ClusterView, AddsUpWhatWasRejectedByKindOverShardsAndRestarts) {
+  ClusterView view = MakeView();
+  for (int shard = 0; shard < 2; ++shard) {
+    ProcessStatus replay = MakeStatus(dds::Role::kReplay, shard, 5.0, 1);
+    replay[Metric::kDuplicateChunks] = 10;
+    replay[Metric::kRejectedChecksum] = 1;
+    view.Add(replay, kStart);
+  }
+  ProcessStatus restarted = MakeStatus(dds::Role::kReplay, 1, 1.0, 2);
+  restarted[Metric::kDuplicateChunks] = 3;
+  view.Add(restarted, kStart + seconds(1));
+  ProcessStatus learner = MakeStatus(dds::Role::kLearner, 0, 5.0);
+  learner[Metric::kCorruptBatches] = 4;
+  view.Add(learner, kStart);
+  EXPECT_THAT(
+      view.Summarize(kStart + seconds(1)).rejected,
+      testing::UnorderedElementsAre(testing::Pair("duplicate", 23.0), testing::Pair("wrong checksum", 2.0),
+                                    testing::Pair("corrupt batch", 4.0)));
+}
+
 TEST(ClusterView, RatesOfTheLastHundredEpisodes) {
   ClusterView view = MakeView();
   EpisodeReport report;

@@ -52,6 +52,16 @@ TEST(Panel, NeverWrapsANarrowTerminal) {
   for (const std::string& line : RenderPanel(Sample(), 40)) EXPECT_LE(line.size(), 40u) << line;
 }
 
+TEST(Panel, ShowsWhatWasRejectedByKindOnceThereIsSomething) {
+  Progress progress = Sample();
+  EXPECT_THAT(RenderPanel(progress, 120), testing::Not(testing::Contains(HasSubstr("rejected"))));
+  progress.summary.rejected = {{"wrong checksum", 2}, {"duplicate", 1234}};
+  EXPECT_THAT(RenderPanel(progress, 120),
+              testing::Contains(HasSubstr("rejected    1,234 duplicate, 2 wrong checksum")));
+  EXPECT_EQ(MonitorJson(progress.summary, "")["rejected"]["duplicate"], 1234.0);
+  EXPECT_TRUE(MonitorJson({}, "")["rejected"].empty());
+}
+
 TEST(Panel, SaysHowOftenAndHowLongEachProcessWaitedForWhat) {
   ClusterSummary summary;
   summary.processes.emplace_back().name = "replay-0";

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <numeric>
 
 #include "common/io/checksum.h"
 #include "proto/telemetry.h"
@@ -252,6 +253,11 @@ std::optional<ProcessStatus> NextStatus(TelemetrySubscriber& telemetry) {
   return last;
 }
 
+double AllRejected(const ProcessStatus& status) {
+  return std::accumulate(&status.metrics[static_cast<size_t>(Metric::kRejectedGarbage)],
+                         &status.metrics[static_cast<size_t>(Metric::kRejectedStale)] + 1, 0.0);
+}
+
 TEST_F(ReplayFault, WhatAnInsaneActorSendsIsCountedAndChangesNothing) {
   config_.telemetry.interval_s = 0.1;
   const auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
@@ -298,11 +304,16 @@ TEST_F(ReplayFault, WhatAnInsaneActorSendsIsCountedAndChangesNothing) {
   std::optional<ProcessStatus> status;
   EXPECT_TRUE(Eventually([&] {
     if (const auto next = NextStatus(**telemetry)) status = next;
-    return status && (*status)[Metric::kRejectedChunks] >= static_cast<double>(rejected.size()) &&
+    return status && AllRejected(*status) >= static_cast<double>(rejected.size()) &&
            (*status)[Metric::kDuplicateChunks] >= static_cast<double>(duplicates.size());
-  })) << (status ? (*status)[Metric::kRejectedChunks] : -1.0)
+  })) << (status ? AllRejected(*status) : -1.0)
       << replay_->Log();
-  EXPECT_EQ((*status)[Metric::kRejectedChunks], static_cast<double>(rejected.size()));
+  EXPECT_EQ(AllRejected(*status), static_cast<double>(rejected.size()));
+  // Every kind that bytes alone can be.
+  for (const Metric kind : {Metric::kRejectedGarbage, Metric::kRejectedVersion, Metric::kRejectedLength,
+                            Metric::kRejectedChecksum}) {
+    EXPECT_GT((*status)[kind], 0.0) << MetricName(kind);
+  }
   EXPECT_EQ((*status)[Metric::kFramesHeld], 10.0 * kFrames);
 
   AddChunks(10);
