@@ -59,6 +59,23 @@ std::string Rejected(const ClusterSummary& s) {
   return text;
 }
 
+// ", waits 46 % for simulator (455x, 19.9 s); before: replay 1x, 0.1 s": first what it waits for now, with
+// how often and how long since its start, then what it waited for earlier.
+std::string Waits(const ClusterSummary& s, const std::string& process) {
+  std::string now, before;
+  for (const Wait& wait : s.waits) {
+    if (wait.who != process) continue;
+    const std::string spent =
+        fmt::format("{}x, {:.1f} s", Thousands(static_cast<double>(wait.spent.count)), wait.spent.seconds);
+    if (const double percent = std::round(100.0 * wait.fraction); percent > 0.0) {
+      now += fmt::format(", waits {:.0f} % for {} ({})", percent, wait.for_what, spent);
+    } else {
+      before += fmt::format("; before: {} {}", wait.for_what, spent);
+    }
+  }
+  return now + before;
+}
+
 }  // namespace
 
 std::string FormatTime(double seconds) {
@@ -116,14 +133,9 @@ std::vector<std::string> RenderProcesses(const ClusterSummary& summary, size_t w
     std::string line =
         fmt::format("  {:<{}} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, name_width, row.pid,
                     FormatTime(row.uptime_s), row.steps_per_s, 100.0 * row.Share(Activity::kWork));
-    for (const Wait& wait : summary.waits) {
-      if (wait.who != row.name) continue;
-      line +=
-          fmt::format(", waits {:.0f} % for {} ({} times, {:.1f} s)", 100.0 * wait.fraction, wait.for_what,
-                      Thousands(static_cast<double>(wait.spent.count)), wait.spent.seconds);
-    }
-    if (row.restarts > 0) line += fmt::format(", restarted {}x", row.restarts);
     if (row.stale) line += fmt::format(", SILENT for {:.0f} s", row.silent_s);
+    if (row.restarts > 0) line += fmt::format(", restarted {}x", row.restarts);
+    line += Waits(summary, row.name);
     lines.push_back(Clip(std::move(line), width));
   }
   return lines;
