@@ -50,7 +50,7 @@ class ActivityTotals {
   std::array<TimeSpent, kSize> spent_{};
 };
 
-// Counts and times a thread's activities. One thread calls Enter; any thread may call Read.
+// Counts and times a thread's activities. One thread at a time calls Enter; any thread may call Read.
 class TimeLedger {
  public:
   // Borrows `clock`; time before the first Enter is not counted.

@@ -173,7 +173,10 @@ Result<DrawnItems> BatchServer::Draw(const Request& request) {
 void BatchServer::SayWithheld() {
   std::vector<std::byte> nothing;
   for (Request& request : pending_) {
-    if (!request.told) request.told = Reply(request, nothing).has_value();
+    if (request.told) continue;
+    // The rest would block in vain, too, each for the time-out of the topic, and nobody else could lead.
+    if (!Reply(request, nothing)) return;
+    request.told = true;
   }
 }
 
@@ -206,9 +209,12 @@ void BatchServer::SendInTurn(const Request& request, std::vector<std::byte>& byt
   while (!bytes.empty() && !stop.load()) {
     if (endpoints_.replies->matched() == 0) {
       SystemClock().SleepFor(kWait);
-    } else if (Reply(request, bytes)) {
+    } else if (const Status sent = Reply(request, bytes); sent) {
       batches_.fetch_add(1);
       bytes_.fetch_add(bytes.size());
+      break;
+    } else if (sent.error().code != ErrorCode::kUnavailable) {
+      spdlog::error("a batch of {} bytes is lost: {}", bytes.size(), sent.error().message);
       break;
     }
     if (Replaced(request.id.learner)) break;

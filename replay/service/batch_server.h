@@ -86,7 +86,7 @@ class BatchServer {
 
   // Serialises a batch into `memory`; empty when it cannot be sent.
   std::vector<std::byte> Read(Drawn drawn, std::vector<std::byte> memory);
-  // In turn; tries until it is sent, or its learner replaced, or `stop`.
+  // In turn; tries until it is sent, refused by DDS for good, or its learner replaced, or `stop`.
   void SendInTurn(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop)
       DADRL_EXCLUDES(lead_);
   Status Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal = {});
