@@ -43,10 +43,11 @@ Keeper::Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWr
       {FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); }},
       {kWait, [this] { return table_.SaveStateOfNewSegment(); }},
       {FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); }},
-      {kSnapshotCheckInterval, [this] { return CheckSnapshots(); }},
       {kTrimInterval, [this] { return table_.TrimMemory(), Status(); }}};
   std::erase_if(chores_, [](const Chore& chore) { return chore.interval == Duration::zero(); });
   for (Chore& chore : chores_) chore.due = clock_.Now() + chore.interval;
+  // The first time at once: snapshots outlive the process that took them.
+  chores_.push_back({kSnapshotCheckInterval, [this] { return CheckSnapshots(); }, clock_.Now()});
 }
 
 void Keeper::Run(const std::atomic<bool>& stop) {

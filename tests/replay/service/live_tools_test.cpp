@@ -1,6 +1,7 @@
-// `dadrl replay limit | snapshot` on a replay at work.
+// `dadrl replay limit | snapshot` on a replay at work, and what it says of the snapshots it finds.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/replay/run_tool.h"
@@ -59,6 +60,35 @@ TEST_F(LiveTools, TheLimiterChangesWhileBothSidesWaitAndKeepsThatOverAKill) {
   replay_->Start();
   ASSERT_TRUE(learner_->WaitForReplay());
   EXPECT_FALSE(learner_->Fetch(8).bytes.empty());
+}
+
+TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheRemedy) {
+  constexpr uint64_t kBound = 1 << 20;
+  config_.replay.max_disk_bytes = kBound;
+  config_.replay.segment_bytes = kBound / 4;
+  const std::filesystem::path run = folder_.path() / "run";
+  const std::filesystem::path snapshots = run / "snapshots" / "shard-0";
+  const std::filesystem::path segment = snapshots / "old" / "segment-000000000001.log";
+  std::filesystem::create_directories(segment.parent_path());
+  std::ofstream(segment) << "of a replay that has dropped it";
+  std::filesystem::resize_file(segment, kBound);
+  Launch();
+  // Once the second is answered, what was due before the first is done.
+  for (int i = 0; i < 2; ++i) {
+    const ToolOutput limit = RunTool({"limit", "--min-size", "4", "--run-dir", run.string()});
+    ASSERT_EQ(limit.exit_code, 0) << limit.err << replay_->Log();
+  }
+  EXPECT_THAT(replay_->Log(), testing::Not(testing::HasSubstr("snapshots hold"))) << "just the bound";
+  ASSERT_EQ(replay_->Terminate(), 0) << replay_->Log();
+  std::filesystem::resize_file(segment, kBound + 1);
+  replay_->Start();
+  const std::string warning = fmt::format(
+      "shard 0: 1 snapshots hold {} bytes that the replay has dropped, more than its own "
+      "replay.max_disk_bytes of {}; remove those you do not need from {}, or keep fewer automatic ones "
+      "(replay.snapshots_kept, now {})\n",
+      kBound + 1, kBound, snapshots.string(), config_.replay.snapshots_kept);
+  EXPECT_TRUE(Eventually([&] { return replay_->Log().find(warning) != std::string::npos; }))
+      << replay_->Log();
 }
 
 }  // namespace
