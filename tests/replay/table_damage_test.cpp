@@ -1,0 +1,137 @@
+// What a restart finds after damage: whatever is whole, once, and nothing else.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "replay/storage/segment_log.h"
+#include "tests/replay/table_recovery_fixture.h"
+
+namespace dadrl {
+namespace {
+
+using TableDamage = TableRecovery;
+
+// Oldest first.
+std::vector<std::filesystem::path> Segments(const std::filesystem::path& directory) {
+  std::vector<std::filesystem::path> segments;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (SegmentLog::IdOf(entry.path())) segments.push_back(entry.path());
+  }
+  std::sort(segments.begin(), segments.end());
+  return segments;
+}
+
+TEST_F(TableDamage, ADamagedStateFileCostsOnlyTheCounters) {
+  {
+    auto table = Open();
+    Store(*table, 1, 4);
+    ASSERT_TRUE(table->SaveState());
+  }
+  std::ofstream(folder_.path() / "state", std::ios::trunc) << "nonsense";
+  auto table = Open();
+  EXPECT_EQ(table->Stored(1, 7), 4u);
+  EXPECT_EQ(table->stats().items, 20u);
+}
+
+TEST_F(TableDamage, TruncatedAtAnyByteItHoldsTheWholeChunksAndGoesOn) {
+  {
+    auto table = Open();
+    Store(*table, 1, 3);
+  }
+  const auto path = Segments(folder_.path()).at(0);
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole(std::istreambuf_iterator<char>(file), {});
+  for (size_t length = 0; length <= whole.size(); length += 1) {
+    TemporaryFolder folder;
+    std::ofstream(folder.path() / path.filename(), std::ios::binary) << whole.substr(0, length);
+    auto table = Open(Options(folder.path()));
+    const uint64_t stored = table->Stored(1, 7).value_or(0);
+    ASSERT_EQ(table->stats().frames_held, stored * 5) << length;
+    // What the actor sends again goes on exactly there.
+    for (uint64_t sequence = 1; sequence <= 4; ++sequence) {
+      ASSERT_EQ(table->Insert(Build(ChunkOf(sequence)), 1),
+                sequence <= stored ? Insertion::kDuplicate : Insertion::kStored);
+    }
+    ASSERT_EQ(DrawAll(*table).size(), 20u) << length;
+  }
+}
+
+TEST_F(TableDamage, ADamagedRecordCostsItsChunkAndNothingElse) {
+  {
+    auto table = Open();
+    Store(*table, 1, 6);
+  }
+  const auto path = Segments(folder_.path()).at(0);
+  const auto size = std::filesystem::file_size(path);
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(size / 2));
+  file << "XXXX";
+  file.close();
+  auto table = Open();
+  EXPECT_EQ(table->stats().frames_held, 25u);
+  EXPECT_EQ(table->Stored(1, 7), 6u);
+  for (const auto& [first, rewards] : DrawAll(*table)) {
+    // No slice bridges the hole.
+    if (rewards.size() == 2) {
+      EXPECT_EQ(rewards[1], first + 1.0f);
+    }
+  }
+}
+
+TEST_F(TableDamage, HundredsOfRandomDamagesCostTheirChunksAndNothingElse) {
+  constexpr uint64_t kChunks = 300;
+  constexpr int kCases = 400;
+  TableOptions options = Options(folder_.path() / "whole");
+  std::map<uint64_t, std::vector<std::byte>> chunks;
+  {
+    const auto table = Open(options);
+    for (uint64_t sequence = 1; sequence <= kChunks; ++sequence) {
+      chunks[sequence] = Build(ChunkOf(sequence));
+      ASSERT_EQ(table->Insert(chunks[sequence]), Insertion::kStored);
+    }
+  }
+  Random random(400);
+  for (int damage = 0; damage < kCases; ++damage) {
+    options.directory = folder_.path() / "damaged";
+    std::filesystem::remove_all(options.directory);
+    std::filesystem::copy(folder_.path() / "whole", options.directory);
+    const auto segments = Segments(options.directory);
+    ASSERT_GE(segments.size(), 2u);
+    const auto& victim = segments[random.Below(segments.size())];
+    const uint64_t size = std::filesystem::file_size(victim);
+    const uint64_t flips = random.Below(4);
+    for (uint64_t i = 0; i < flips; ++i) {
+      std::fstream file(victim, std::ios::in | std::ios::out | std::ios::binary);
+      const auto at = static_cast<std::streamoff>(random.Below(size));
+      file.seekg(at);
+      const auto byte = static_cast<char>(file.get() ^ (1 << random.Below(8)));
+      file.seekp(at);
+      file.put(byte);
+    }
+    const uint64_t cut = flips == 0 ? 1 + random.Below(size) : 0;
+    if (cut > 0) std::filesystem::resize_file(victim, size - cut);
+
+    SegmentLog::Recovery recovery;
+    std::map<uint64_t, int> found;
+    const auto log = SegmentLog::Open(
+        {options.directory, options.schema},
+        [&](const auto&, std::span<const std::byte> record) {
+          const auto chunk = ChunkView::Parse(record);
+          if (!chunk) return false;
+          const uint64_t sequence = chunk->header().identity.sequence;
+          EXPECT_TRUE(
+              std::equal(record.begin(), record.end(), chunks[sequence].begin(), chunks[sequence].end()));
+          ++found[sequence];
+          return true;
+        },
+        recovery);
+    ASSERT_TRUE(log) << log.error().message;
+    for (const auto& [sequence, copies] : found) EXPECT_EQ(copies, 1) << sequence;
+    const uint64_t record = Segment::RecordBytes(chunks[1].size());
+    const uint64_t lost = cut > 0 ? cut / (record - 64) + 1 : flips;
+    EXPECT_GE(found.size() + lost, kChunks) << "case " << damage;
+  }
+}
+
+}  // namespace
+}  // namespace dadrl
