@@ -28,11 +28,13 @@
 #include "proto/codec/half.h"
 #include "replay/table.h"
 #include "tests/bench/chunk_stream.h"
+#include "tests/bench/figure.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl::bench {
 namespace {
 
+constexpr const char* kBench = "replay_table";
 constexpr uint32_t kItems = 1000000;
 const ObservationSpec kSpec;
 volatile uint64_t sink;
@@ -60,22 +62,6 @@ double BestSeconds(const std::function<void()>& work) {
   return best;
 }
 
-// Larger is better.
-void PrintRate(const std::string& name, double value, const char* unit, double limit) {
-  fmt::print(R"({{"bench": "replay_table", "case": "{}", "value": {:.4g}, "unit": "{}", "limit": {:.4g}, )"
-             R"("of_limit": {:.3f}}})"
-             "\n",
-             name, value, unit, limit, value / limit);
-}
-
-// Smaller is better.
-void PrintCost(const std::string& name, double value, const char* unit, double limit) {
-  fmt::print(R"({{"bench": "replay_table", "case": "{}", "value": {:.4g}, "unit": "{}", "limit": {:.4g}, )"
-             R"("of_limit": {:.3f}}})"
-             "\n",
-             name, value, unit, limit, limit / value);
-}
-
 void Draws() {
   constexpr int kDraws = 3000000;
   Random random(1);
@@ -92,7 +78,7 @@ void Draws() {
     for (int i = 0; i < kDraws; ++i) sum += uniform->Sample(random).slot;
     sink = sum;
   });
-  PrintRate("uniform draws, 1M items", kDraws / drawn, "draws/s", kDraws / bare_read);
+  PrintRate(kBench, "uniform draws, 1M items", kDraws / drawn, "draws/s", kDraws / bare_read);
 
   constexpr int kUpdates = 500000;
   std::vector<double> weights(kItems, 1.0);
@@ -106,7 +92,8 @@ void Draws() {
       prioritized->Update(prioritized->Sample(random).slot, random.Uniform());
     }
   });
-  PrintRate("prioritised draw and update, 1M items", kUpdates / updated, "pairs/s", kUpdates / bare_update);
+  PrintRate(kBench, "prioritised draw and update, 1M items", kUpdates / updated, "pairs/s",
+            kUpdates / bare_update);
 }
 
 // A frame without our coding: halves and bits, as they are.
@@ -161,9 +148,9 @@ void Codec() {
       if (!codec.Decode(payload, decoded.vehicles, decoded.ego, decoded.context)) std::abort();
     }
   });
-  PrintCost("frame payload, synthetic junction", MeanSize(coded), "B", MeanSize(packed));
-  PrintCost("encode a frame", encode / kFrames * 1e6, "us", zstd_encode / kFrames * 1e6);
-  PrintCost("decode a frame", decode / kFrames * 1e6, "us", zstd_decode / kFrames * 1e6);
+  PrintCost(kBench, "frame payload, synthetic junction", MeanSize(coded), "B", MeanSize(packed));
+  PrintCost(kBench, "encode a frame", encode / kFrames * 1e6, "us", zstd_encode / kFrames * 1e6);
+  PrintCost(kBench, "decode a frame", decode / kFrames * 1e6, "us", zstd_decode / kFrames * 1e6);
 }
 
 TableOptions Options(const std::filesystem::path& directory) {
@@ -200,9 +187,9 @@ struct Resident {
 // Beside the bytes that the index counts for itself, and those on disk.
 void PrintResident(const std::string& what, const Resident& before, const ReplayTable::Stats& stats) {
   const Resident now = Resident::Now();
-  PrintCost("resident with " + what + ": own memory", now.anonymous - before.anonymous, "MB",
+  PrintCost(kBench, "resident with " + what + ": own memory", now.anonymous - before.anonymous, "MB",
             static_cast<double>(stats.index_bytes) / 1e6);
-  PrintCost("resident with " + what + ": pages of the files", now.files - before.files, "MB",
+  PrintCost(kBench, "resident with " + what + ": pages of the files", now.files - before.files, "MB",
             static_cast<double>(stats.disk_bytes) / 1e6);
 }
 
@@ -231,11 +218,13 @@ bool Table(const std::filesystem::path& directory) {
         if ((*table)->Insert(stream.At(i + 1), i + 1) != ReplayTable::Insertion::kStored) std::abort();
       }
     });
-    PrintRate("insert with the log, no sync", kChunks * 64 / inserted, "frames/s", kChunks * 64 / bare_copy);
+    PrintRate(kBench, "insert with the log, no sync", kChunks * 64 / inserted, "frames/s",
+              kChunks * 64 / bare_copy);
     const ReplayTable::Stats stats = (*table)->stats();
     const auto frames = static_cast<double>(stats.frames_held);
-    PrintCost("all told a frame, on disk", static_cast<double>(stats.disk_bytes) / frames, "B", 1500.0);
-    PrintCost("index a frame, in memory", static_cast<double>(stats.index_bytes) / frames, "B",
+    PrintCost(kBench, "all told a frame, on disk", static_cast<double>(stats.disk_bytes) / frames, "B",
+              1500.0);
+    PrintCost(kBench, "index a frame, in memory", static_cast<double>(stats.index_bytes) / frames, "B",
               static_cast<double>(stats.disk_bytes) / frames);
     constexpr int kBatches = 2000;
     uint64_t batch_bytes = 0;
@@ -254,7 +243,7 @@ bool Table(const std::filesystem::path& directory) {
       }
       sink = static_cast<uint64_t>(copy[17]);
     });
-    PrintRate("sample and serialise, batch 256, 3 steps", kBatches * 256 / sampled, "transitions/s",
+    PrintRate(kBench, "sample and serialise, batch 256, 3 steps", kBatches * 256 / sampled, "transitions/s",
               kBatches * 256 / copied);
     PrintResident("1M frames", before, stats);
   }
@@ -271,7 +260,7 @@ bool Table(const std::filesystem::path& directory) {
     if (table) recovered_frames = (*table)->stats().frames_held;
   });
   if (recovered_frames != kChunks * 64) return false;
-  PrintCost("recover 1M frames", recovered, "s", hashed);
+  PrintCost(kBench, "recover 1M frames", recovered, "s", hashed);
   return true;
 }
 

@@ -1,12 +1,8 @@
 #include "tests/bench/service_peers.h"
 
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <deque>
 #include <thread>
 #include <utility>
@@ -113,11 +109,14 @@ class Feeder {
   std::vector<double> latencies_;
 };
 
-// Median, 99th percentile, largest.
-std::vector<double> Distribution(std::vector<double> values) {
-  if (values.empty()) return {0.0, 0.0, 0.0};
-  std::sort(values.begin(), values.end());
-  return {values[values.size() / 2], values[values.size() * 99 / 100], values.back()};
+Numbers NumbersOf(double seconds, double bytes, std::vector<double> waits) {
+  Numbers numbers{.seconds = seconds, .bytes = bytes};
+  if (waits.empty()) return numbers;
+  std::sort(waits.begin(), waits.end());
+  numbers.p50_s = waits[waits.size() / 2];
+  numbers.p99_s = waits[waits.size() * 99 / 100];
+  numbers.largest_s = waits.back();
+  return numbers;
 }
 
 void TakeChunks(const dds::Node& node, uint64_t chunks) {
@@ -140,49 +139,19 @@ void TakeChunks(const dds::Node& node, uint64_t chunks) {
 
 }  // namespace
 
-Peer::Peer(const std::function<std::vector<double>()>& work) {
-  int ends[2];
-  if (pipe(ends) != 0) std::abort();
-  pid_ = fork();
-  if (pid_ == 0) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    const std::vector<double> values = work();
-    const size_t bytes = values.size() * sizeof(double);
-    _exit(write(ends[1], values.data(), bytes) == static_cast<ssize_t>(bytes) ? 0 : 1);
-  }
-  close(ends[1]);
-  results_ = ends[0];
-}
-
-Peer::~Peer() {
-  if (pid_ > 0) {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  close(results_);
-}
-
-std::vector<double> Peer::Wait() {
-  std::vector<double> values(16);
-  const ssize_t bytes = read(results_, values.data(), values.size() * sizeof(double));
-  values.resize(static_cast<size_t>(std::max<ssize_t>(bytes, 0)) / sizeof(double));
-  waitpid(pid_, nullptr, 0);
-  pid_ = 0;
-  return values;
-}
-
-std::vector<double> Feed(const Config& config, uint64_t chunks, bool granting) {
+Numbers Feed(const Config& config, uint64_t chunks, bool granting) {
   Feeder feeder(config, granting);
   const TimePoint begin = Now();
   feeder.Run(chunks);
-  std::vector<double> numbers{ToSeconds(Now() - begin)};
-  for (const double value : Distribution(feeder.latencies())) numbers.push_back(value);
-  return numbers;
+  return NumbersOf(ToSeconds(Now() - begin), 0.0, feeder.latencies());
 }
 
-void FeedForEver(const Config& config) { Feeder(config, true).Run(UINT64_MAX); }
+void FeedForEver(const Config& config, bool granting) {
+  Feeder feeder(config, granting);
+  while (true) feeder.Run(UINT64_MAX);
+}
 
-std::vector<double> Fetch(const Config& config, const Fetching& fetching) {
+Numbers Fetch(const Config& config, const Fetching& fetching) {
   const auto node = Join(config, dds::Role::kLearner, 0);
   const auto replies = Need(dds::Reader<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
   const auto requests = Need(dds::Writer<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
@@ -225,9 +194,7 @@ std::vector<double> Fetch(const Config& config, const Fetching& fetching) {
   }
   const double seconds = ToSeconds(Now() - begin);
   const auto count = static_cast<double>(latencies.size());
-  std::vector<double> numbers{seconds * fetching.batches / count, bytes / count};
-  for (const double value : Distribution(latencies)) numbers.push_back(value);
-  return numbers;
+  return NumbersOf(seconds * fetching.batches / count, bytes / count, std::move(latencies));
 }
 
 void Mirror(const Config& config, uint64_t chunks, int replies_of, size_t reply_bytes) {
