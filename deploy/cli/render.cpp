@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/config/config_schema.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/driver.h"
 #include "deploy/local/captured_process.h"
+#include "deploy/local/executables.h"
 #include "deploy/local/signals.h"
 #include "proto/evaluation/episode_line.h"
 #include "proto/evaluation/rendered_episode.h"
@@ -152,6 +154,11 @@ void PrintText(const RenderOptions& options, const std::vector<RenderedEpisode>&
 Result<int> RunRender(const RenderOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(const Driver driver, options.driver.Resolve());
+  if (driver.config.scenario == kAllScenarios) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "one scenario is drawn: choose it with --scenario; there are: {}",
+                fmt::join(ScenarioNames(), ", "));
+  }
   SeedRange seeds{options.seed.value_or(kFirstEvaluationSeed), 1};
   if (options.gallery()) {
     DADRL_ASSIGN_OR_RETURN(seeds, ParseSeedRange(options.seeds));
