@@ -189,9 +189,13 @@ void ReplayTable::BoundIndex() {
 
 RateLimiter::Hold ReplayTable::MaySample(size_t count, int sequence_length) {
   MutexLock lock(mutex_);
-  const size_t size = index_.CanDraw(count) ? index_.items() : 0;
+  last_count_ = count;
   const auto samples = static_cast<int64_t>(count) * std::max(sequence_length, 1);
-  return limiter_.MaySample(samples, static_cast<int64_t>(size));
+  return limiter_.MaySample(samples, Drawable(count));
+}
+
+int64_t ReplayTable::Drawable(size_t count) const {
+  return index_.CanDraw(count) ? static_cast<int64_t>(index_.items()) : 0;
 }
 
 Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t policy_version) {
@@ -228,9 +232,9 @@ Result<DrawnItems> ReplayTable::Draw(const Wanted& wanted) {
   const auto samples = static_cast<int64_t>(wanted.count) * (sequences ? steps : 1);
   MutexLock lock(mutex_);
   index_.SetNewestVersion(wanted.policy_version);
-  const size_t size = index_.CanDraw(wanted.count) ? index_.items() : 0;
-  if (limiter_.MaySample(samples, static_cast<int64_t>(size)) != RateLimiter::Hold::kNone) {
-    return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples, size);
+  if (limiter_.MaySample(samples, Drawable(wanted.count)) != RateLimiter::Hold::kNone) {
+    return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples,
+                index_.items());
   }
   DrawnItems drawn = index_.Draw(wanted.count, steps, random_);
   limiter_.OnSample(samples);
@@ -246,7 +250,8 @@ void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<con
 
 bool ReplayTable::MayInsert() {
   MutexLock lock(mutex_);
-  return limiter_.MayInsert(static_cast<int64_t>(index_.items()));
+  // A batch that cannot be drawn pays no debt.
+  return limiter_.MayInsert(Drawable(last_count_));
 }
 
 void ReplayTable::Reconfigure(const RateLimiter::Options& options) {

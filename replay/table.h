@@ -160,6 +160,8 @@ class ReplayTable {
   Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
   Status CheckWanted(const Wanted& wanted) const;
+  // The items, or 0 while they do not suffice for a batch of `count`: each serves max_times_sampled times.
+  int64_t Drawable(size_t count) const DADRL_REQUIRES(mutex_);
   Insertion Refuse(ChunkFault fault, const Error& reason) DADRL_EXCLUDES(mutex_);
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
@@ -182,6 +184,7 @@ class ReplayTable {
   ChunkIndex index_ DADRL_GUARDED_BY(mutex_);
   RateLimiter limiter_ DADRL_GUARDED_BY(mutex_);
   Random random_ DADRL_GUARDED_BY(mutex_);
+  size_t last_count_ DADRL_GUARDED_BY(mutex_) = 1;  // that MaySample was asked for
   bool told_too_small_ DADRL_GUARDED_BY(mutex_) = false;
   Stats counters_ DADRL_GUARDED_BY(mutex_);  // only what the parts do not know themselves
 

@@ -104,6 +104,22 @@ TEST(ReplayTable, SamplingWaitsForTheMinimumSizeAndForInserts) {
   EXPECT_TRUE(table->Sample(8, 1, 0));
 }
 
+TEST(ReplayTable, ActorsAreNotHeldBackWhileABatchIsLargerThanWhatIsLeftToDraw) {
+  SystemClock clock;
+  TableOptions options = Options();
+  options.replay.min_size = 10;
+  options.replay.max_times_sampled = 1;
+  options.replay.min_samples_per_insert = 1.0;
+  auto table = ReplayTable::Open(options, clock).value();
+  constexpr size_t kBatch = 64;
+  for (uint64_t sequence = 1; table->MaySample(kBatch) != RateLimiter::Hold::kNone; ++sequence) {
+    ASSERT_TRUE(table->MayInsert()) << "both sides wait, with " << table->stats().items << " items";
+    ASSERT_EQ(table->Insert(EpisodeChunk(sequence)), Insertion::kStored);
+  }
+  EXPECT_FALSE(table->MayInsert()) << "now it is the learner's turn";
+  EXPECT_TRUE(table->Sample(kBatch, 1, 0));
+}
+
 TEST(ReplayTable, LongerSlicesThanItIndexesAreRefusedWithTheReason) {
   SystemClock clock;
   auto table = ReplayTable::Open(Options(), clock).value();
