@@ -46,6 +46,14 @@ Status Validate(const Config& config) {
         "drawn",
         replay.max_items, shard_min_size);
   }
+  const int times = std::max(replay.max_times_sampled, 1);
+  const int64_t items_of_a_batch = (config.algorithm.batch_size + times - 1) / times;
+  if (replay.max_items > 0 && replay.max_times_sampled > 0 && replay.max_items < items_of_a_batch) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.max_items: {} items of replay.max_times_sampled: {} never make a batch of "
+                "algorithm.batch_size: {}; nothing would ever be drawn",
+                replay.max_items, replay.max_times_sampled, config.algorithm.batch_size);
+  }
   const bool random = replay.sampler == SamplerKind::kUniform || replay.sampler == SamplerKind::kPrioritized;
   if (!random && replay.max_times_sampled == 0) {
     return Fail(ErrorCode::kInvalidArgument,

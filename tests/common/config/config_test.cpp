@@ -81,6 +81,15 @@ TEST(Config, RefusesContradictions) {
       "drawn");
   config.replay.max_items = 1000;
   EXPECT_TRUE(Validate(config));
+  config.replay.min_size = 1;
+  config.replay.max_items = 31;
+  EXPECT_TRUE(Validate(config)) << "each serves as often as it is drawn";
+  config.replay.max_times_sampled = 2;
+  EXPECT_EQ(Validate(config).error().message,
+            "replay.max_items: 31 items of replay.max_times_sampled: 2 never make a batch of "
+            "algorithm.batch_size: 64; nothing would ever be drawn");
+  config.replay.max_items = 32;
+  EXPECT_TRUE(Validate(config));
 }
 
 }  // namespace
