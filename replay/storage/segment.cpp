@@ -117,8 +117,13 @@ Result<std::span<const std::byte>> Segment::Append(std::span<const std::byte> co
   const std::array<iovec, 3> parts = {iovec{header.data(), header.size()},
                                       iovec{const_cast<std::byte*>(content.data()), content.size()},
                                       iovec{zeros.data(), PaddedRecord(length) - length}};
-  // A failed write leaves a torn record behind `used_`: the next one overwrites it, or recovery drops it.
-  if (!WriteAllAt(file_.get(), parts, offset)) return tl::unexpected(IoError("write", path_, errno));
+  if (!WriteAllAt(file_.get(), parts, offset)) {
+    Error error = IoError("write", path_, errno);
+    // Half a record would look like damage. Should this fail as well, the next record overwrites it, or
+    // recovery drops it.
+    [[maybe_unused]] const int cut = ftruncate(file_.get(), static_cast<off_t>(offset));
+    return tl::unexpected(std::move(error));
+  }
   const std::span<const std::byte> stored(mapping_ + offset + kRecordHeader, length);
   used_ = offset + RecordBytes(length);
   return stored;

@@ -2,8 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <fstream>
 #include <string>
 
@@ -115,6 +119,32 @@ TEST_F(SegmentFile, AnotherSchemaIsRefusedWithTheFileAndTheRemedy) {
   EXPECT_EQ(segment.error().code, ErrorCode::kCorrupt);
   EXPECT_THAT(segment.error().message, testing::HasSubstr(path_.string()));
   EXPECT_THAT(segment.error().message, testing::HasSubstr("run directory"));
+}
+
+// In a child, because the limit on the size of files is its whole process's.
+int AppendBeyondTheRoom(const std::filesystem::path& path) {
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const auto segment = Segment::Create(path, 1, kSchema, 1 << 16).value();
+    const bool first = segment->Append(Record(1)).has_value();
+    const rlimit full{segment->bytes() + 30, RLIM_INFINITY};  // for a header, and some of the content
+    setrlimit(RLIMIT_FSIZE, &full);
+    const bool second = segment->Append(std::vector<std::byte>(500)).has_value();
+    _exit(first && !second ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(Segment, ARecordThatDoesNotFitOntoTheDiskLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "segment";
+  ASSERT_EQ(AppendBeyondTheRoom(path), 0);
+  const Contents contents = Read(path);
+  EXPECT_EQ(contents.records.size(), 1u);
+  EXPECT_EQ(contents.scan.dropped_bytes, 0u);
 }
 
 TEST(Segment, ReadersKeepWhatTheyHoldAfterTheFileIsGone) {
