@@ -19,6 +19,9 @@ constexpr Duration kSnapshotCheckInterval = std::chrono::seconds(10);
 Result<std::unique_ptr<Keeper>> Keeper::Create(const dds::Node& node, const Config& config, uint32_t shard,
                                                const std::filesystem::path& run_directory, ReplayTable& table,
                                                const Clock& clock, std::function<void()> on_limit) {
+  if (const Status removed = RemovePartialSnapshots(SnapshotFolder(run_directory, shard)); !removed) {
+    spdlog::warn("{}", removed.error().message);
+  }
   // The writer first: who finds the reader can already be answered.
   DADRL_ASSIGN_OR_RETURN(auto answers, AnswerWriter::Create(node, kReplayAnswerTopic));
   DADRL_ASSIGN_OR_RETURN(auto commands, CommandReader::Create(node, kReplayCommandTopic));
@@ -149,8 +152,7 @@ Status Keeper::CheckSnapshots() const {
 Status Keeper::TakeAutomaticSnapshot() {
   DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(AutomaticSnapshotName(WallTimeNs())));
   spdlog::info("{}", said);
-  RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);
-  return {};
+  return RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);
 }
 
 }  // namespace dadrl

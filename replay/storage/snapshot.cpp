@@ -8,6 +8,7 @@
 
 #include "common/io/file_descriptor.h"
 #include "common/io/io_error.h"
+#include "replay/storage/snapshot_folder.h"
 
 namespace dadrl {
 namespace {
@@ -46,7 +47,7 @@ Result<SnapshotReport> WriteSnapshot(const ReplayState& state, std::span<const S
     return Fail(ErrorCode::kInvalidArgument, "{} exists; a snapshot needs a name of its own",
                 directory.string());
   }
-  const fs::path partial = directory.string() + ".partial";
+  const fs::path partial = PartialSnapshot(directory);
   fs::remove_all(partial, error);
   fs::create_directories(partial, error);
   if (error) return tl::unexpected(IoError("create", partial, error.value()));

@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstdio>
 #include <ctime>
 #include <set>
 #include <string_view>
 #include <system_error>
+
+#include "common/io/io_error.h"
 
 namespace dadrl {
 namespace {
@@ -16,11 +20,28 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kShape = "00000000T000000Z";  // of an automatic name
+constexpr std::string_view kPartial = ".partial";
 
 bool IsAutomatic(const std::string& name) {
   return std::equal(name.begin(), name.end(), kShape.begin(), kShape.end(), [](char c, char shape) {
     return shape == '0' ? std::isdigit(static_cast<unsigned char>(c)) != 0 : c == shape;
   });
+}
+
+std::vector<std::string> NamesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  return names;
+}
+
+Status Remove(const fs::path& folder) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (error) return tl::unexpected(IoError("remove", folder, error.value()));
+  return {};
 }
 
 }  // namespace
@@ -29,15 +50,23 @@ fs::path SnapshotFolder(const fs::path& run_directory, uint32_t shard) {
   return run_directory / "snapshots" / fmt::format("shard-{}", shard);
 }
 
+fs::path PartialSnapshot(const fs::path& snapshot) {
+  fs::path partial = snapshot;
+  return partial += kPartial;
+}
+
 Status CheckSnapshotName(const std::string& name) {
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
   });
-  if (plain && !name.empty() && name.size() <= 64 && name.front() != '.' && !name.ends_with(".partial")) {
+  if (plain && !name.empty() && name.size() <= 64 && name.front() != '.' && !name.ends_with(kPartial)) {
     return {};
   }
-  return Fail(ErrorCode::kInvalidArgument,
-              "snapshot name '{}' is not 1 to 64 letters, digits, '-', '_' or '.' (not in front)", name);
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "snapshot name '{}' is not 1 to 64 letters, digits, '-', '_' or '.' (not in front, not .partial at "
+      "the end)",
+      name);
 }
 
 std::string AutomaticSnapshotName(int64_t wall_time_ns) {
@@ -70,16 +99,28 @@ SnapshotUse UseOfSnapshots(const fs::path& folder, const fs::path& shard) {
   return use;
 }
 
-void RemoveOldSnapshots(const fs::path& folder, int kept) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (IsAutomatic(name)) names.push_back(name);
-  }
+Status RemoveOldSnapshots(const fs::path& folder, int kept) {
+  std::vector<std::string> names = NamesIn(folder);
+  std::erase_if(names, [](const std::string& name) { return !IsAutomatic(name); });
   std::sort(names.begin(), names.end());
   const size_t surplus = names.size() - std::min(names.size(), static_cast<size_t>(kept));
-  for (size_t i = 0; i < surplus; ++i) fs::remove_all(folder / names[i], error);
+  for (size_t i = 0; i < surplus; ++i) {
+    const fs::path snapshot = folder / names[i];
+    const fs::path partial = PartialSnapshot(snapshot);
+    DADRL_RETURN_IF_ERROR(Remove(partial));
+    if (rename(snapshot.c_str(), partial.c_str()) != 0) {
+      return tl::unexpected(IoError("rename", snapshot, errno));
+    }
+    DADRL_RETURN_IF_ERROR(Remove(partial));
+  }
+  return {};
+}
+
+Status RemovePartialSnapshots(const fs::path& folder) {
+  for (const std::string& name : NamesIn(folder)) {
+    if (name.ends_with(kPartial)) DADRL_RETURN_IF_ERROR(Remove(folder / name));
+  }
+  return {};
 }
 
 }  // namespace dadrl

@@ -25,7 +25,12 @@ struct SnapshotUse {
 // `folder` as SnapshotFolder names it, `shard` the folder of the replay itself. What cannot be read is not
 // counted.
 SnapshotUse UseOfSnapshots(const std::filesystem::path& folder, const std::filesystem::path& shard);
+
+// Where `snapshot` is while it is written or removed: half of one is never under its name.
+std::filesystem::path PartialSnapshot(const std::filesystem::path& snapshot);
 // Removes all automatic snapshots of `folder` but the newest `kept`.
-void RemoveOldSnapshots(const std::filesystem::path& folder, int kept);
+Status RemoveOldSnapshots(const std::filesystem::path& folder, int kept);
+// Removes what a process left that was killed while it wrote or removed one.
+Status RemovePartialSnapshots(const std::filesystem::path& folder);
 
 }  // namespace dadrl

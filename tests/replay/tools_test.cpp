@@ -1,6 +1,8 @@
 // `dadrl replay inspect | verify | export | import | restore` on real folders.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -307,12 +309,33 @@ TEST_F(ToolsTest, OldAutomaticSnapshotsGoAndNamedOnesStay) {
   for (const char* name : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z", "mine"}) {
     fs::create_directories(folder_.path() / name);
   }
-  RemoveOldSnapshots(folder_.path(), 2);
+  ASSERT_TRUE(RemoveOldSnapshots(folder_.path(), 2));
   EXPECT_FALSE(fs::exists(At("20260101T000000Z")));
   EXPECT_TRUE(fs::exists(At("20260102T000000Z")));
   EXPECT_TRUE(fs::exists(At("20260103T000000Z")));
   EXPECT_TRUE(fs::exists(At("mine")));
   EXPECT_EQ(AutomaticSnapshotName(0), "19700101T000000Z");
+}
+
+TEST_F(ToolsTest, ASnapshotThatCannotBeRemovedWholeIsNoneAnyMore) {
+  const fs::path old = folder_.path() / "20260101T000000Z";
+  fs::create_directories(old / "folder");
+  std::ofstream(old / "state") << "of it";
+  rlimit files{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
+  const int next = dup(STDIN_FILENO);
+  close(next);
+  // Enough for a folder, not for one within it.
+  const rlimit few{static_cast<rlim_t>(next) + 1, files.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  const Status removed = RemoveOldSnapshots(folder_.path(), 0);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &files), 0);
+  ASSERT_FALSE(removed);
+  EXPECT_THAT(removed.error().message, HasSubstr(PartialSnapshot(old).string()));
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_TRUE(fs::exists(PartialSnapshot(old)));
+  ASSERT_TRUE(RemovePartialSnapshots(folder_.path()));
+  EXPECT_FALSE(fs::exists(PartialSnapshot(old)));
 }
 
 TEST_F(ToolsTest, WrongUsageIsOneLine) {

@@ -62,6 +62,15 @@ TEST_F(LiveTools, TheLimiterChangesWhileBothSidesWaitAndKeepsThatOverAKill) {
   EXPECT_FALSE(learner_->Fetch(8).bytes.empty());
 }
 
+TEST_F(LiveTools, HalfASnapshotOfAKilledReplayIsGoneAfterItsNextStart) {
+  const std::filesystem::path half =
+      folder_.path() / "run" / "snapshots" / "shard-0" / "20260101T000000Z.partial";
+  std::filesystem::create_directories(half);
+  std::ofstream(half / "segment-000000000001.log") << "of a replay that has dropped it";
+  Launch();
+  EXPECT_FALSE(std::filesystem::exists(half));
+}
+
 TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheRemedy) {
   constexpr uint64_t kBound = 1 << 20;
   config_.replay.max_disk_bytes = kBound;
