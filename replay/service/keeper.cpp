@@ -38,36 +38,28 @@ Keeper::Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWr
       shard_(shard),
       snapshots_(SnapshotFolder(run_directory, shard)),
       table_(table),
-      clock_(clock),
-      on_limit_(std::move(on_limit)) {
-  const bool sync = replay_.sync == SyncMode::kInterval;
-  chores_ = {
-      {sync ? FromSeconds(replay_.sync_interval_s) : Duration::zero(), [this] { return table_.Sync(); }},
-      {FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); }},
-      {kWait, [this] { return table_.SaveStateOfNewSegment(); }},
-      {FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); }},
-      {kTrimInterval, [this] { return table_.TrimMemory(), Status(); }}};
-  std::erase_if(chores_, [](const Chore& chore) { return chore.interval == Duration::zero(); });
-  for (Chore& chore : chores_) chore.due = clock_.Now() + chore.interval;
+      on_limit_(std::move(on_limit)),
+      chores_(clock) {
+  const TimePoint now = clock.Now();
+  const auto every = [&](Duration interval, std::function<Status()> work) {
+    if (interval > Duration::zero()) chores_.Add(interval, now + interval, std::move(work));
+  };
+  if (replay_.sync == SyncMode::kInterval) {
+    every(FromSeconds(replay_.sync_interval_s), [this] { return table_.Sync(); });
+  }
+  every(FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); });
+  every(kWait, [this] { return table_.SaveStateOfNewSegment(); });
+  every(FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); });
+  every(kTrimInterval, [this] { return table_.TrimMemory(), Status(); });
   // The first time at once: snapshots outlive the process that took them.
-  chores_.push_back({kSnapshotCheckInterval, [this] { return CheckSnapshots(); }, clock_.Now()});
+  chores_.Add(kSnapshotCheckInterval, now, [this] { return CheckSnapshots(); });
 }
 
 void Keeper::Run(const std::atomic<bool>& stop) {
   while (!stop.load()) {
     commands_->Wait(kWait);
     commands_->Take(8, [this](const dadrl_idl_ReplayCommand& command) { OnCommand(command); });
-    DoChores();
-  }
-}
-
-void Keeper::DoChores() {
-  for (Chore& chore : chores_) {
-    if (clock_.Now() < chore.due) continue;
-    const Status done = chore.work();
-    if (!done && !std::exchange(chore.failed, true)) spdlog::error("{}", done.error().message);
-    if (done) chore.failed = false;
-    chore.due = clock_.Now() + chore.interval;
+    chores_.DoDue();
   }
 }
 

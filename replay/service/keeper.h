@@ -7,13 +7,13 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/dds/endpoint.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
+#include "replay/service/chores.h"
 #include "replay/table.h"
 
 namespace dadrl {
@@ -34,20 +34,12 @@ class Keeper {
   void Wake() { commands_->Wake(); }
 
  private:
-  // Something done again and again. A failure is logged once, until it succeeds.
-  struct Chore {
-    Duration interval{};  // zero: never
-    std::function<Status()> work;
-    TimePoint due{};
-    bool failed = false;
-  };
   using CommandReader = dds::Reader<dadrl_idl_ReplayCommand>;
   using AnswerWriter = dds::Writer<dadrl_idl_ReplayAnswer>;
 
   Keeper(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers, const Config& config,
          uint32_t shard, const std::filesystem::path& run_directory, ReplayTable& table, const Clock& clock,
          std::function<void()> on_limit);
-  void DoChores();
   void OnCommand(const dadrl_idl_ReplayCommand& command);
   Result<std::string> Obey(const dadrl_idl_ReplayCommand& command);
   Result<std::string> ChangeLimit(const dadrl_idl_ReplayCommand& command);
@@ -62,9 +54,8 @@ class Keeper {
   const uint32_t shard_;
   const std::filesystem::path snapshots_;
   ReplayTable& table_;
-  const Clock& clock_;
   const std::function<void()> on_limit_;
-  std::vector<Chore> chores_;
+  Chores chores_;
 
   // The last command, so that one that is sent again is answered again, not done again.
   uint64_t last_command_ = 0;
