@@ -35,7 +35,7 @@ Result<EpisodeLog> EpisodeLog::Open(const std::filesystem::path& path) {
   if (ftruncate(file.get(), whole) != 0) {
     return Fail(ErrorCode::kInternal, "cannot write {}: {}", path.string(), std::strerror(errno));
   }
-  if (whole == 0) DADRL_RETURN_IF_ERROR(WriteAll(file, std::as_bytes(std::span(kHeader)), path));
+  if (whole == 0) DADRL_RETURN_IF_ERROR(AppendWhole(file, std::as_bytes(std::span(kHeader)), path));
   return EpisodeLog(path, std::move(file));
 }
 
@@ -46,7 +46,7 @@ Status EpisodeLog::Append(const EpisodeReport& report) {
                   OutcomeName(static_cast<Outcome>(report.outcome)), report.steps, report.episode_return,
                   report.progress, report.mean_speed_mps, report.humanness_error, report.overall_score,
                   report.policy_version, report.scenario);
-  return WriteAll(file_, std::as_bytes(std::span(row)), path_);
+  return AppendWhole(file_, std::as_bytes(std::span(row)), path_);
 }
 
 }  // namespace dadrl

@@ -9,7 +9,8 @@
 
 namespace dadrl {
 
-// Not thread safe. Each row is one write; half a row that a killed launcher left is cut off.
+// Not thread safe. A row is there whole or not at all: half of one that a full disk or a killed launcher left
+// is cut off.
 class EpisodeLog {
  public:
   static Result<EpisodeLog> Open(const std::filesystem::path& path);

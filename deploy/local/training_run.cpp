@@ -52,7 +52,8 @@ void TrainingRun::OpenTelemetry() {
        .on_episode =
            [this](const EpisodeReport& report) {
              const Status written = episodes_->Append(report);
-             if (!written) display_.Message(written.error().message);
+             const bool failed_before = std::exchange(episode_lost_, !written);
+             if (!written && !failed_before) display_.Message(written.error().message);
            }});
   if (monitor) {
     monitor_ = std::move(*monitor);

@@ -75,6 +75,7 @@ class TrainingRun {
   Supervisor supervisor_;
   std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
   std::optional<EpisodeLog> episodes_;
+  bool episode_lost_ = false;  // the last one could not be written
   RunResults results_;
   std::optional<EvaluationJob> evaluation_;
   EvaluatedAt evaluated_at_;

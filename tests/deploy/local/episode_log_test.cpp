@@ -1,12 +1,15 @@
 #include "deploy/local/episode_log.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 
 #include "tests/deploy/local/test_processes.h"
 
 namespace dadrl {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -46,6 +49,34 @@ TEST(EpisodeLog, CutsOffHalfARowThatAKilledLauncherLeft) {
   std::ofstream(file) << "half a head";
   ASSERT_TRUE(EpisodeLog::Open(file));
   EXPECT_THAT(FileText(file), StartsWith("time_s,actor"));
+}
+
+// A child, because the limit on the size of files is its whole process's.
+int AppendWithRoomForHalfARow(const std::filesystem::path& file) {
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    auto log = EpisodeLog::Open(file);
+    if (!log || !log->Append(Report(1))) _exit(2);
+    const rlim_t room = std::filesystem::file_size(file) + 10;
+    const rlimit full{room, RLIM_INFINITY};
+    const rlimit free{RLIM_INFINITY, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &full);
+    const bool refused = !log->Append(Report(2));
+    setrlimit(RLIMIT_FSIZE, &free);
+    _exit(refused && log->Append(Report(3)) ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(EpisodeLog, AFullDiskCostsWholeRowsOnly) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "episodes.csv";
+  ASSERT_EQ(AppendWithRoomForHalfARow(file), 0);
+  EXPECT_THAT(FileText(file), EndsWith("\n1.500,2,1,0,collision,0,-0.5,0,0,0,0,0,left_turn\n"
+                                       "1.500,2,3,0,collision,0,-0.5,0,0,0,0,0,left_turn\n"));
 }
 
 TEST(EpisodeLog, NamesTheFileThatCannotBeWritten) {
