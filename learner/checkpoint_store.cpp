@@ -49,6 +49,14 @@ Files ListFiles(const std::filesystem::path& directory, std::string_view prefix,
   return files;
 }
 
+// Removes all but the newest `kept`. A file that cannot be removed is tried again at the next checkpoint.
+void RemoveBeyond(int kept, const Files& files) {
+  std::error_code ignored;
+  for (const auto& [number, path] : files) {
+    if (kept-- <= 0) std::filesystem::remove(path, ignored);
+  }
+}
+
 // The critics of a checkpoint whose algorithm has such a block.
 std::span<const float> CriticOf(const Checkpoint& checkpoint) {
   const auto block = std::ranges::find(checkpoint.blocks, kCriticBlock, &Checkpoint::Block::name);
@@ -67,7 +75,12 @@ void SetAside(const std::filesystem::path& path, const Error& error) {
 
 }  // namespace
 
-Result<CheckpointStore> CheckpointStore::Open(const std::filesystem::path& directory, int kept) {
+Retention Retention::Of(const Config& config) {
+  const int checkpoints = config.learner.checkpoints_kept;
+  return {.checkpoints = checkpoints, .policies = std::max(checkpoints, config.evaluation.candidates)};
+}
+
+Result<CheckpointStore> CheckpointStore::Open(const std::filesystem::path& directory, Retention kept) {
   std::error_code failed;
   std::filesystem::create_directories(directory, failed);
   if (failed) {
@@ -88,7 +101,7 @@ Status CheckpointStore::Save(const Checkpoint& checkpoint) {
                                                               .critic = CriticOf(checkpoint)}));
   DADRL_RETURN_IF_ERROR(SaveCheckpoint(directory_ / CheckpointName(checkpoint.updates), checkpoint));
   DADRL_RETURN_IF_ERROR(LinkAtomically(directory_ / "latest", policy_name));
-  Prune();
+  Prune(checkpoint.updates);
   return {};
 }
 
@@ -111,18 +124,14 @@ bool CheckpointStore::empty() const {
   return ListFiles(directory_, kCheckpointPrefix, kCheckpointSuffix).empty();
 }
 
-// A policy stays as long as its checkpoint; also those go whose checkpoint was damaged and set aside.
-void CheckpointStore::Prune() {
-  const Files checkpoints = ListFiles(directory_, kCheckpointPrefix, kCheckpointSuffix);
-  const auto first_old = std::next(checkpoints.begin(), std::min<long>(kept_, std::ssize(checkpoints)));
-  std::error_code ignored;  // a file that cannot be removed is tried again at the next checkpoint
-  for (auto old = first_old; old != checkpoints.end(); ++old) std::filesystem::remove(old->second, ignored);
-  for (const auto& [updates, path] : ListFiles(directory_, kPolicyPrefix, kPolicySuffix)) {
-    const auto checkpoint = checkpoints.find(updates);
-    const bool kept =
-        checkpoint != checkpoints.end() && (first_old == checkpoints.end() || updates > first_old->first);
-    if (!kept) std::filesystem::remove(path, ignored);
-  }
+void CheckpointStore::Prune(uint64_t newest) {
+  RemoveBeyond(kept_.checkpoints, ListFiles(directory_, kCheckpointPrefix, kCheckpointSuffix));
+  Files policies = ListFiles(directory_, kPolicyPrefix, kPolicySuffix);
+  // Training went back behind these: their checkpoint was damaged or never completed.
+  const auto first_valid = policies.lower_bound(newest);
+  RemoveBeyond(0, Files(policies.begin(), first_valid));
+  policies.erase(policies.begin(), first_valid);
+  RemoveBeyond(kept_.policies, policies);
 }
 
 }  // namespace dadrl

@@ -1,8 +1,8 @@
 // The checkpoints folder of a run: what is written there, what is kept, and which one a resumed run takes.
 //
 //   checkpoint-<updates>.ckpt  everything a resumed training needs
-//   policy-<updates>.dadrl     the policy of that checkpoint, and its critics
-//   latest                     link to the newest policy
+//   policy-<updates>.dadrl     the policy of that checkpoint, and its critics; small, so that more of them
+//   can stay latest                     link to the newest policy
 //   *.ckpt.corrupt             damaged checkpoints that a resume has set aside
 #pragma once
 
@@ -16,13 +16,22 @@
 
 namespace dadrl {
 
+// How many of the newest stay, each at least 1.
+struct Retention {
+  int checkpoints = 1;
+  int policies = 1;
+  // learner.checkpoints_kept, and as many policies or evaluation.candidates if that is more.
+  static Retention Of(const Config& config);
+};
+
 // Not thread safe; every call may block on the disk. At most one process uses a folder.
 class CheckpointStore {
  public:
-  // `kept`: how many checkpoints stay, at least 1. Creates the folder and removes what a killed writer left.
-  static Result<CheckpointStore> Open(const std::filesystem::path& directory, int kept);
+  // Creates the folder and removes what a killed writer left.
+  static Result<CheckpointStore> Open(const std::filesystem::path& directory, Retention kept);
 
-  // Policy, then checkpoint, then `latest`; each atomic. Then removes the oldest ones beyond `kept`. On an
+  // Policy, then checkpoint, then `latest`; each atomic. Then removes the oldest ones beyond `kept`, and
+  // policies newer than this one: those of a future that a resume has given up. On an
   // error all earlier checkpoints stay.
   Status Save(const Checkpoint& checkpoint);
 
@@ -40,12 +49,13 @@ class CheckpointStore {
   const std::filesystem::path& directory() const { return directory_; }
 
  private:
-  CheckpointStore(std::filesystem::path directory, int kept)
+  CheckpointStore(std::filesystem::path directory, Retention kept)
       : directory_(std::move(directory)), kept_(kept) {}
-  void Prune();
+  // `newest`: updates of the checkpoint just saved.
+  void Prune(uint64_t newest);
 
   std::filesystem::path directory_;
-  int kept_;
+  Retention kept_;
 };
 
 }  // namespace dadrl

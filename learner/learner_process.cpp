@@ -26,7 +26,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
                          dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kLearner, 0));
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<Algorithm> algorithm, MakeAlgorithm(config));
   const std::filesystem::path folder = run_directory / "checkpoints";
-  auto store = CheckpointStore::Open(folder, config.learner.checkpoints_kept);
+  auto store = CheckpointStore::Open(folder, Retention::Of(config));
   if (!store) return tl::unexpected<Error>(std::move(store.error()));
   DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(folder));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,

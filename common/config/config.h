@@ -135,6 +135,8 @@ struct EvaluationConfig {
   double interval_s = 300.0;  // between two evaluations while training; 0: none
   int episodes = 40;          // of one evaluation while training
   int processes = 1;
+  int candidates = 8;            // newest policies of which a training's end chooses one; 1: the newest
+  int candidate_episodes = 100;  // that each of them drives for it
 };
 
 struct ClusterConfig {

@@ -160,6 +160,11 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("evaluation.episodes", e.episodes, 1, 1e6,
         "Episodes of an evaluation while training, of each scenario");
   b.Add("evaluation.processes", e.processes, 1, 1024, "Processes an evaluation uses");
+  b.Add("evaluation.candidates", e.candidates, 1, 1000,
+        "Newest policies, one a checkpoint, of which the best is chosen when training ends; 1 is the newest "
+        "itself");
+  b.Add("evaluation.candidate_episodes", e.candidate_episodes, 1, 1000,
+        "Episodes each candidate drives for that, of each scenario; the same for all of them");
   ClusterConfig& n = c.cluster;
   b.Add("cluster.host", n.host, "Address at which actors reach replay and learner");
   b.Add("cluster.port", n.port, 0, 60000, "First DDS port; 0 takes a free one");

@@ -130,7 +130,7 @@ class Lockstep {
 Result<LockstepResult> TrainInLockstep(const Config& config, const std::filesystem::path& run_directory,
                                        const std::atomic<bool>& stop) {
   DADRL_RETURN_IF_ERROR(CheckEnds(config));
-  auto store = CheckpointStore::Open(run_directory / "checkpoints", config.learner.checkpoints_kept);
+  auto store = CheckpointStore::Open(run_directory / "checkpoints", Retention::Of(config));
   if (!store) return tl::unexpected<Error>(std::move(store.error()));
   DADRL_ASSIGN_OR_RETURN(auto algorithm, MakeAlgorithm(config));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,

@@ -38,7 +38,9 @@ void Damage(const std::filesystem::path& path) {
 
 class CheckpointStoreTest : public testing::Test {
  protected:
-  CheckpointStore Open(int kept = 2) { return CheckpointStore::Open(folder_.path(), kept).value(); }
+  CheckpointStore Open(Retention kept = {.checkpoints = 2, .policies = 2}) {
+    return CheckpointStore::Open(folder_.path(), kept).value();
+  }
   std::vector<std::string> Names() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
@@ -62,6 +64,23 @@ TEST_F(CheckpointStoreTest, KeepsTheNewestWithTheirPoliciesAndALinkToTheLast) {
   EXPECT_EQ(policy->policy_version, 3u);
 }
 
+TEST_F(CheckpointStoreTest, KeepsMorePoliciesThanCheckpoints) {
+  CheckpointStore store = Open({.checkpoints = 1, .policies = 3});
+  for (const uint64_t updates : {10, 20, 30, 40}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
+  EXPECT_THAT(Names(), ElementsAre("checkpoint-000000040.ckpt", "latest", "policy-000000020.dadrl",
+                                   "policy-000000030.dadrl", "policy-000000040.dadrl"));
+}
+
+TEST_F(CheckpointStoreTest, KeepsAsManyPoliciesAsTrainingsEndChoosesFrom) {
+  Config config;
+  config.learner.checkpoints_kept = 3;
+  config.evaluation.candidates = 8;
+  EXPECT_EQ(Retention::Of(config).checkpoints, 3);
+  EXPECT_EQ(Retention::Of(config).policies, 8);
+  config.evaluation.candidates = 1;
+  EXPECT_EQ(Retention::Of(config).policies, 3);
+}
+
 TEST_F(CheckpointStoreTest, NothingToLoadInANewFolder) {
   EXPECT_TRUE(Open().empty());
   const auto loaded = Open().LoadNewest();
@@ -70,7 +89,7 @@ TEST_F(CheckpointStoreTest, NothingToLoadInANewFolder) {
 }
 
 TEST_F(CheckpointStoreTest, DamagedNewestIsSetAsideAndTheOneBeforeIsTaken) {
-  CheckpointStore store = Open(3);
+  CheckpointStore store = Open({.checkpoints = 3, .policies = 3});
   for (const uint64_t updates : {10, 20, 30}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
   Damage(folder_.path() / "checkpoint-000000030.ckpt");
   auto loaded = store.LoadNewest();
@@ -78,7 +97,7 @@ TEST_F(CheckpointStoreTest, DamagedNewestIsSetAsideAndTheOneBeforeIsTaken) {
   ASSERT_TRUE(loaded->has_value());
   EXPECT_EQ((*loaded)->checkpoint.updates, 20u);
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "checkpoint-000000030.ckpt.corrupt"));
-  // The next checkpoint removes the policy whose checkpoint is gone, and counts only whole ones as kept.
+  // The next checkpoint removes the policy that training went back behind.
   ASSERT_TRUE(store.Save(CheckpointAt(25)));
   EXPECT_THAT(Names(),
               ElementsAre("checkpoint-000000010.ckpt", "checkpoint-000000020.ckpt",
@@ -96,7 +115,7 @@ TEST_F(CheckpointStoreTest, AllDamagedIsAnErrorNotANewBeginning) {
 }
 
 TEST_F(CheckpointStoreTest, FailedSaveKeepsTheEarlierCheckpoints) {
-  CheckpointStore store = Open(1);
+  CheckpointStore store = Open({.checkpoints = 1, .policies = 1});
   ASSERT_TRUE(store.Save(CheckpointAt(10)));
   // A folder in the place of the next checkpoint makes its rename fail, also for root.
   std::filesystem::create_directory(folder_.path() / "checkpoint-000000020.ckpt");

@@ -186,7 +186,8 @@ TEST_F(LearnerProcessTest, BadInputIsOneLineAndItsExitCode) {
   EXPECT_THAT(Log(), HasSubstr("model.hidden (there 16, now 32)"));
   config_.model.hidden = 16;
 
-  const auto checkpoint = CheckpointStore::Open(Checkpoints(), 3)->LoadNewest().value()->path;
+  const auto checkpoint =
+      CheckpointStore::Open(Checkpoints(), {.checkpoints = 3, .policies = 3})->LoadNewest().value()->path;
   std::filesystem::resize_file(checkpoint, 100);
   EXPECT_EQ(Start(true)->Wait(), 1);
   EXPECT_THAT(Log(), HasSubstr("damaged"));

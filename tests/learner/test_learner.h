@@ -30,7 +30,7 @@ struct TestLearner {
   TestLearner(const Config& config, const std::filesystem::path& directory, bool resume,
               uint64_t first_batch = 0, std::unique_ptr<Algorithm> given = std::make_unique<FakeAlgorithm>())
       : algorithm(std::move(given)), batches(16, first_batch) {
-    CheckpointStore store = CheckpointStore::Open(directory, config.learner.checkpoints_kept).value();
+    CheckpointStore store = CheckpointStore::Open(directory, Retention::Of(config)).value();
     auto begun = BeginTraining(config, store, 0, resume, *algorithm);
     if (!begun) {
       error = begun.error();

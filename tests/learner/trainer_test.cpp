@@ -65,7 +65,7 @@ TEST_F(TrainerTest, ResumedRunPublishesAtOnceAboveEveryUsedVersion) {
   EXPECT_THAT(second.publisher.versions, ElementsAre(2));
 
   FakeAlgorithm algorithm;
-  CheckpointStore store = CheckpointStore::Open(folder_.path(), 3).value();
+  CheckpointStore store = CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3}).value();
   EXPECT_EQ(BeginTraining(config_, store, 16, true, algorithm)->weights_version, 16u);
 }
 
@@ -84,7 +84,11 @@ TEST_F(TrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
   EXPECT_THAT(ended.error().message, HasSubstr("critic loss is not finite"));
   EXPECT_EQ(run.publisher.versions.size(), published);
   EXPECT_EQ(run.batches.lent, 0);
-  EXPECT_EQ(CheckpointStore::Open(folder_.path(), 3)->LoadNewest().value()->checkpoint.updates, 3u);
+  EXPECT_EQ(CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3})
+                ->LoadNewest()
+                .value()
+                ->checkpoint.updates,
+            3u);
 }
 
 TEST_F(TrainerTest, EndsWithTheReasonWhenNoBatchWillComeAnyMore) {
@@ -108,7 +112,7 @@ TEST_F(TrainerTest, PolicyThatIsNotFiniteIsNeitherPublishedNorSaved) {
   EXPECT_THAT(step.error().message, HasSubstr("parameter 7 of the policy is not finite"));
   EXPECT_EQ(run.publisher.versions.size(), 1u);
   EXPECT_FALSE(run.trainer->SaveNow());
-  EXPECT_TRUE(CheckpointStore::Open(folder_.path(), 3)->empty());
+  EXPECT_TRUE(CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3})->empty());
 }
 
 TEST_F(TrainerTest, CheckpointsEachIntervalWithoutStoppingTheTraining) {
@@ -217,7 +221,7 @@ TEST_F(TrainerTest, ResumeWithOtherNetworksNamesTheKeys) {
 
 TEST_F(TrainerTest, ResumeWithoutACheckpointBeginsAboveTheReservedVersions) {
   FakeAlgorithm algorithm;
-  CheckpointStore store = CheckpointStore::Open(folder_.path(), 3).value();
+  CheckpointStore store = CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3}).value();
   const auto progress = BeginTraining(config_, store, 16, true, algorithm);
   ASSERT_TRUE(progress);
   EXPECT_EQ(progress->updates, 0u);
