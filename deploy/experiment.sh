@@ -28,7 +28,8 @@ if finished; then
 elif [ -e "$run_dir/config.yaml" ]; then
   "$dadrl" train "$scenario" --resume --run-dir "$run_dir"
 else
-  "$dadrl" train "$scenario" --run-dir "$run_dir" --set evaluation.episodes=200 "$@"
+  # The newest policy: runs of one length are compared as they end.
+  "$dadrl" train "$scenario" --run-dir "$run_dir" --set evaluation.episodes=200 --set evaluation.candidates=1 "$@"
 fi
 finished || { echo "stopped before the end; the same command goes on from there" >&2; exit 1; }
 deploy/results/record_run.py "$run_dir" --name "$name" --experiment "$group"

@@ -44,7 +44,7 @@ cmake --build --preset release
 dadrl=build/release/bin/dadrl
 
 step "3 of 4: training left_turn for $minutes minutes into $run_dir"
-policy=$run_dir/checkpoints/latest
+policy=$run_dir/checkpoints/best
 results=$run_dir/results.json
 finished() { grep -qs '"state": "finished"' "$results" && [ -e "$policy" ]; }
 trained_s=$(sed -n 's/^ *"training_s": \([0-9.]*\).*/\1/p' "$results" 2>/dev/null || true)

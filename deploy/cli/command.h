@@ -19,6 +19,7 @@ struct Command {
 
 Command MakeTrainCommand(CLI::App& dadrl);
 Command MakeEvaluateCommand(CLI::App& dadrl);
+Command MakeSelectCommand(CLI::App& dadrl);
 Command MakeRenderCommand(CLI::App& dadrl);
 Command MakeMonitorCommand(CLI::App& dadrl);
 Command MakeActorCommand(CLI::App& dadrl);

@@ -1,6 +1,3 @@
-#include <poll.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -9,6 +6,7 @@
 #include "common/io/atomic_file.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/driver.h"
+#include "deploy/cli/run_to_end.h"
 #include "deploy/local/evaluation_job.h"
 #include "deploy/local/signals.h"
 
@@ -26,23 +24,6 @@ struct EvaluateOptions {
   bool json = false;
   std::string csv;
 };
-
-constexpr int kTickMs = 200;
-
-// False when the user stopped it.
-bool RunToEnd(EvaluationJob& job, SignalWatcher& signals) {
-  const bool terminal = isatty(STDERR_FILENO) == 1;
-  while (!job.done()) {
-    job.Step();
-    std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
-    job.AppendWaitFds(fds);
-    poll(fds.data(), fds.size(), kTickMs);
-    if (signals.StopRequested()) return false;
-    if (terminal) fmt::print(stderr, "\r{} of {} episodes", job.finished_episodes(), job.planned_episodes());
-  }
-  if (terminal) fmt::print(stderr, "\r\x1b[K");
-  return true;
-}
 
 std::vector<std::string> PolicyArguments(const EvaluateOptions& options) {
   std::vector<std::string> arguments;
@@ -69,10 +50,7 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
                              .groups = options.groups,
                              .episodes = options.episodes,
                              .processes = options.processes > 0 ? options.processes : cores}));
-  if (!RunToEnd(job, *signals)) {
-    return Fail(ErrorCode::kUnavailable, "stopped after {} of {} episodes", job.finished_episodes(),
-                job.planned_episodes());
-  }
+  DADRL_RETURN_IF_ERROR(RunToEnd(job, *signals));
   DADRL_ASSIGN_OR_RETURN(const EvaluationReport report, job.TakeReport());
   if (!options.csv.empty()) {
     DADRL_RETURN_IF_ERROR(WriteFileAtomically(options.csv, std::string_view(ReportCsv(report))));

@@ -39,9 +39,9 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", "dadrl " DADRL_VERSION " (" + BuildCommit() + ")");
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      MakeTrainCommand(app), MakeEvaluateCommand(app), MakeRenderCommand(app), MakeMonitorCommand(app),
-      MakeActorCommand(app), MakeDoctorCommand(app),   MakeConfigCommand(app), MakeExportCommand(app),
-      MakeActCommand(app),   MakePoliciesCommand(app), MakeReplayCommand(app)};
+      MakeTrainCommand(app),   MakeEvaluateCommand(app), MakeSelectCommand(app),   MakeRenderCommand(app),
+      MakeMonitorCommand(app), MakeActorCommand(app),    MakeDoctorCommand(app),   MakeConfigCommand(app),
+      MakeExportCommand(app),  MakeActCommand(app),      MakePoliciesCommand(app), MakeReplayCommand(app)};
   if (RefuseUnknownCommand(argc, argv, commands)) return kWrongUsage;
   try {
     app.parse(argc, argv);

@@ -56,7 +56,8 @@ Result<Config> EffectiveConfig(const TrainOptions& options, const std::optional<
 void PrintSummary(const RunPaths& paths, const Config& config, RunOutcome outcome) {
   fmt::print("run:     {}\nresults: {}\n", paths.root.string(), paths.results().string());
   std::error_code error;
-  if (fs::exists(paths.policy(), error)) fmt::print("policy:  {}\n", paths.policy().string());
+  const fs::path policy = fs::exists(paths.best_policy(), error) ? paths.best_policy() : paths.policy();
+  if (fs::exists(policy, error)) fmt::print("policy:  {}\n", policy.string());
   if (outcome != RunOutcome::kFinished) {
     fmt::print("go on:   dadrl train {} --resume --run-dir {}\n", config.scenario, paths.root.string());
   }
@@ -136,7 +137,11 @@ Command MakeTrainCommand(CLI::App& dadrl) {
   app->add_option("--run-dir", options->run_dir, "Where the run lives (default: runs/SCENARIO-TIME)")
       ->type_name("DIR");
   options->config.AddTo(*app);
-  app->footer("Recipes of the policies that ship: --config deploy/config/scenarios/SCENARIO.yaml");
+  app->footer(
+      "At the end the best of the last evaluation.candidates policies is chosen on traffic kept for that, "
+      "and\n"
+      "evaluated: RUN/checkpoints/best (dadrl select --help).\n"
+      "Recipes of the policies that ship: --config deploy/config/scenarios/SCENARIO.yaml");
   return {app, [options] { return RunTrain(*options); }};
 }
 

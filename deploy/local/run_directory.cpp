@@ -73,8 +73,10 @@ Result<RunDirectory> RunDirectory::CreateNew(const fs::path& root) {
 Result<RunDirectory> RunDirectory::OpenExisting(const fs::path& root) {
   RunPaths paths{.root = root};
   if (!fs::exists(paths.config())) {
-    return Fail(ErrorCode::kNotFound,
-                "{} holds no run to resume (no config.yaml): leave --resume out to start one", root.string());
+    return Fail(
+        ErrorCode::kNotFound,
+        "{} holds no run (no config.yaml): name one with --run-dir, or start one: dadrl train SCENARIO",
+        root.string());
   }
   return Lock(std::move(paths));
 }

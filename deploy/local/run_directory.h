@@ -21,9 +21,13 @@ struct RunPaths {
   std::filesystem::path tensorboard() const { return root / "tensorboard"; }
   std::filesystem::path episodes() const { return root / "episodes.csv"; }
   std::filesystem::path results() const { return root / "results.json"; }
+  // The choice among the last policies: candidates, their figures, seeds (policy_selection.h).
+  std::filesystem::path selection() const { return root / "selection.json"; }
   std::filesystem::path lock() const { return root / "lock"; }
   // The newest policy that the learner saved: its link, replaced with every checkpoint.
   std::filesystem::path policy() const { return checkpoints() / "latest"; }
+  // The policy that was chosen when training ended: a link; not there while training goes on.
+  std::filesystem::path best_policy() const { return checkpoints() / "best"; }
   // A copy that an evaluation reads however long it takes; the learner removes old policies.
   std::filesystem::path evaluated_policy() const { return root / "evaluated_policy.dadrl"; }
 };

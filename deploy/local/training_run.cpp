@@ -1,13 +1,10 @@
 #include "deploy/local/training_run.h"
 
-#include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "common/dds/address.h"
-#include "common/model/policy_file.h"
 #include "deploy/local/cluster_processes.h"
-#include "deploy/local/executables.h"
+#include "deploy/local/policy_selection.h"
 #include "deploy/monitor/bottleneck.h"
 
 namespace dadrl {
@@ -17,12 +14,6 @@ constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kSaveInterval = std::chrono::seconds(10);
 // The learner stops by itself when `minutes` are over; this much later it is stopped.
 constexpr double kOverrun_s = 30.0;
-// While training the evaluation takes what the cluster leaves over.
-constexpr int kEvaluationNice = 10;
-// Seeds that choose between policies are not those that grade the last one.
-constexpr uint64_t kValidationSeed = 2 * kFirstEvaluationSeed;
-
-int Cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace
 
@@ -34,7 +25,8 @@ TrainingRun::TrainingRun(const RunPaths& paths, const Config& config, bool resum
       signals_(signals),
       display_(display),
       supervisor_(RestartLimits{}, clock_, [this](const std::string& text) { display_.Message(text); }),
-      results_(RunResults::Load(paths.results(), config)) {}
+      results_(RunResults::Load(paths.results(), config)),
+      evaluator_(paths, config, [this](const std::string& text) { display_.Message(text); }) {}
 
 Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, const Config& config,
                                                          bool resume, SignalWatcher& signals,
@@ -73,6 +65,7 @@ Result<RunOutcome> TrainingRun::Run() {
   started_ = clock_.Now();
   next_evaluation_ = started_ + FromSeconds(config_.evaluation.interval_s);
   next_save_ = started_;
+  ForgetSelection(paths_);
   DADRL_RETURN_IF_ERROR(StartCluster());
   display_.Message(fmt::format("{} run {}: {} replay, 1 learner, {} actors; Ctrl-C stops with a checkpoint",
                                resume_ ? "resumed" : "new", paths_.root.string(), config_.replay.shards,
@@ -86,11 +79,8 @@ Result<RunOutcome> TrainingRun::Run() {
     if (monitor_) monitor_->Poll(Duration::zero());
     supervisor_.Step();
     std::vector<pid_t> owned = supervisor_.RunningPids();
-    if (evaluation_) {
-      evaluation_->Step();
-      const std::vector<pid_t> more = evaluation_->RunningPids();
-      owned.insert(owned.end(), more.begin(), more.end());
-    }
+    const std::vector<pid_t> more = evaluator_.RunningPids();
+    owned.insert(owned.end(), more.begin(), more.end());
     ReapAdopted(owned);
     HandleStopRequests();
     Advance();
@@ -102,7 +92,7 @@ Result<RunOutcome> TrainingRun::Run() {
 void TrainingRun::WaitForEvents() {
   std::vector<pollfd> fds = {{.fd = signals_.fd(), .events = POLLIN, .revents = 0}};
   supervisor_.AppendWaitFds(fds);
-  if (evaluation_) evaluation_->AppendWaitFds(fds);
+  evaluator_.AppendWaitFds(fds);
   const auto wait = std::chrono::duration_cast<std::chrono::milliseconds>(supervisor_.NextDeadline(kTick));
   poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
 }
@@ -142,7 +132,6 @@ void TrainingRun::Advance() {
       if (outcome_ != RunOutcome::kFinished) {
         EndRun(outcome_);
       } else if (!StartEvaluation(true)) {
-        display_.Message(fmt::format("there is no policy to evaluate in {}", paths_.checkpoints().string()));
         EndRun(RunOutcome::kFailed);
       }
       break;
@@ -170,7 +159,7 @@ void TrainingRun::AdvanceTraining() {
   AdvanceEvaluation();
   const bool due = config_.evaluation.interval_s > 0.0 && clock_.Now() >= next_evaluation_;
   std::error_code error;
-  if (due && !evaluation_ && std::filesystem::exists(paths_.policy(), error)) {
+  if (due && !evaluator_.running() && std::filesystem::exists(paths_.policy(), error)) {
     next_evaluation_ = clock_.Now() + FromSeconds(config_.evaluation.interval_s);
     StartEvaluation(false);
   }
@@ -184,7 +173,7 @@ void TrainingRun::BeginDrain(RunOutcome outcome, const std::string& why) {
   trained_s_ = SessionSeconds();
   outcome_ = outcome;
   phase_ = Phase::kDrainingActors;
-  evaluation_.reset();
+  evaluator_.Cancel();
   display_.Message(why);
   Advance();
 }
@@ -201,61 +190,35 @@ void TrainingRun::Drain(const char* role, Phase next, const std::string& awaited
 }
 
 bool TrainingRun::StartEvaluation(bool final) {
-  std::error_code error;
-  std::filesystem::copy_file(paths_.policy(), paths_.evaluated_policy(),
-                             std::filesystem::copy_options::overwrite_existing, error);
-  if (error) return false;
-  const auto policy = LoadPolicy(paths_.evaluated_policy());
-  const auto program = FindExecutable("dadrl-actor");
-  if (!policy || !program) {
-    display_.Message(policy ? program.error().message : policy.error().message);
-    return false;
-  }
   const double driven = monitor_ ? monitor_->Summarize().env_steps : 0.0;
   evaluated_at_ = {.elapsed_s = results_.earlier_s() + (final ? trained_s_ : SessionSeconds()),
-                   .env_steps = static_cast<uint64_t>(results_.earlier_env_steps() + driven),
-                   .updates = policy->updates,
-                   .policy_version = policy->policy_version};
-  auto job = EvaluationJob::Create(
-      {.program = *program,
-       .policy = paths_.evaluated_policy(),
-       .policy_label = fmt::format("{}@{}", paths_.root.filename().string(), policy->updates),
-       .scenario = config_.scenario,
-       .config = paths_.config(),
-       .first_seed = final ? kFirstEvaluationSeed : kValidationSeed,
-       .episodes = config_.evaluation.episodes,
-       .processes = final ? std::max(Cores(), config_.evaluation.processes) : config_.evaluation.processes,
-       .nice = final ? 0 : kEvaluationNice});
-  if (!job) {
-    display_.Message(job.error().message);
-    return false;
-  }
-  evaluation_.emplace(std::move(*job));
-  final_evaluation_ = final;
-  return true;
+                   .env_steps = static_cast<uint64_t>(results_.earlier_env_steps() + driven)};
+  const Status started = final ? evaluator_.StartFinal() : evaluator_.StartInterim();
+  if (!started) display_.Message("evaluation: " + started.error().message);
+  return started.has_value();
 }
 
 void TrainingRun::AdvanceEvaluation() {
-  if (evaluation_ && evaluation_->done()) FinishEvaluation();
+  if (const auto evaluated = evaluator_.Step()) FinishEvaluation(*evaluated);
 }
 
-void TrainingRun::FinishEvaluation() {
-  const auto report = evaluation_->TakeReport();
-  evaluation_.reset();
-  if (!report) {
-    display_.Message("evaluation: " + report.error().message);
-    if (final_evaluation_) EndRun(RunOutcome::kFailed);
+void TrainingRun::FinishEvaluation(const Result<EvaluatedPolicy>& evaluated) {
+  const bool final = phase_ == Phase::kFinalEvaluation;
+  if (!evaluated) {
+    display_.Message("evaluation: " + evaluated.error().message);
+    if (final) EndRun(RunOutcome::kFailed);
     return;
   }
-  last_evaluation_ = fmt::format("{} updates: {}", Thousands(static_cast<double>(evaluated_at_.updates)),
-                                 ReportLine(*report));
-  display_.Message(
-      fmt::format("{} after {}", final_evaluation_ ? "final evaluation" : "evaluation", last_evaluation_));
-  if (final_evaluation_) {
-    results_.SetFinal(evaluated_at_, *report);
+  evaluated_at_.updates = evaluated->updates;
+  evaluated_at_.policy_version = evaluated->policy_version;
+  last_evaluation_ = fmt::format("{} updates: {}", Thousands(static_cast<double>(evaluated->updates)),
+                                 ReportLine(evaluated->report));
+  display_.Message(fmt::format("{} after {}", final ? "final evaluation" : "evaluation", last_evaluation_));
+  if (final) {
+    results_.SetFinal(evaluated_at_, evaluated->report);
     EndRun(RunOutcome::kFinished);
   } else {
-    results_.AddEvaluation(evaluated_at_, *report);
+    results_.AddEvaluation(evaluated_at_, evaluated->report);
     SaveResults("running");
   }
 }
@@ -263,7 +226,7 @@ void TrainingRun::FinishEvaluation() {
 void TrainingRun::KillEverything() {
   display_.Message("killing everything; the last checkpoint stays");
   if (phase_ == Phase::kTraining) trained_s_ = SessionSeconds();
-  evaluation_.reset();
+  evaluator_.Cancel();
   supervisor_.KillAll();
   EndRun(RunOutcome::kFailed);
 }
@@ -271,7 +234,7 @@ void TrainingRun::KillEverything() {
 void TrainingRun::EndRun(RunOutcome outcome) {
   outcome_ = outcome;
   phase_ = Phase::kDone;
-  evaluation_.reset();
+  evaluator_.Cancel();
   SaveResults(outcome == RunOutcome::kFinished      ? "finished"
               : outcome == RunOutcome::kInterrupted ? "interrupted"
                                                     : "failed");
@@ -293,14 +256,13 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
     case Phase::kDrainingReplay:
       return "stopping";
     case Phase::kFinalEvaluation:
-      return evaluation_ ? fmt::format("final evaluation: {} of {} episodes",
-                                       evaluation_->finished_episodes(), evaluation_->planned_episodes())
-                         : "final evaluation";
+      return evaluator_.Progress();
     default:
       break;
   }
-  if (!monitor_) return evaluation_ ? "running and evaluating" : "running";
-  if (summary.updates_per_s > 0.0) return evaluation_ ? "training and evaluating" : "training";
+  const bool evaluating = evaluator_.running();
+  if (!monitor_) return evaluating ? "running and evaluating" : "running";
+  if (summary.updates_per_s > 0.0) return evaluating ? "training and evaluating" : "training";
   const auto needed = static_cast<double>(config_.replay.min_size);
   if (summary.replay_frames < needed) {
     return fmt::format("waiting for {} frames before training: {} so far", Thousands(needed),

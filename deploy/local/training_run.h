@@ -10,11 +10,11 @@
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "deploy/local/episode_log.h"
-#include "deploy/local/evaluation_job.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_results.h"
 #include "deploy/local/signals.h"
 #include "deploy/local/supervisor.h"
+#include "deploy/local/training_evaluator.h"
 #include "deploy/monitor/cluster_monitor.h"
 #include "deploy/monitor/panel.h"
 
@@ -27,9 +27,9 @@ enum class RunOutcome {
   kFailed,       // a process could not be kept alive, or the user would not wait
 };
 
-// Supervises replay, learner and actors, shows progress, evaluates in between and at the end, drains in
-// order: actors, then the learner (its checkpoint), then the replay. Not thread safe; lives on the main
-// thread.
+// Supervises replay, learner and actors, shows progress, evaluates in between and at the end
+// (TrainingEvaluator), drains in order: actors, then the learner (its checkpoint), then the replay. Not
+// thread safe; lives on the main thread.
 class TrainingRun {
  public:
   // Borrows `signals` and `display`; `config` is what was saved to the run directory.
@@ -55,9 +55,9 @@ class TrainingRun {
   void BeginDrain(RunOutcome outcome, const std::string& why);
   void Drain(const char* role, Phase next, const std::string& awaited);
   void AdvanceEvaluation();
-  // Copies the newest policy and starts an evaluation of it; false when there is none.
+  // False, with a message, when it cannot.
   bool StartEvaluation(bool final);
-  void FinishEvaluation();
+  void FinishEvaluation(const Result<EvaluatedPolicy>& evaluated);
   void EndRun(RunOutcome outcome);
   void KillEverything();
 
@@ -77,9 +77,8 @@ class TrainingRun {
   std::optional<EpisodeLog> episodes_;
   bool episode_lost_ = false;  // the last one could not be written
   RunResults results_;
-  std::optional<EvaluationJob> evaluation_;
-  EvaluatedAt evaluated_at_;
-  bool final_evaluation_ = false;  // which kind `evaluation_` is
+  TrainingEvaluator evaluator_;
+  EvaluatedAt evaluated_at_;  // of the evaluation under way
   std::string last_evaluation_;
 
   Phase phase_ = Phase::kTraining;

@@ -23,6 +23,9 @@ struct PlannedEpisode {
 constexpr uint64_t kSeedGroupStride = 1000;
 // Evaluation draws traffic from here up; training draws below.
 constexpr uint64_t kFirstEvaluationSeed = 1'000'000;
+// Evaluations while training, and the choice among its last policies, draw from here up: what is chosen on
+// traffic is not graded on it. A thousand seed groups from kFirstEvaluationSeed end below.
+constexpr uint64_t kFirstValidationSeed = 2'000'000;
 
 // `groups` times `episodes`: group i has the seeds first_seed + 1000 i + j for j < episodes.
 // kInvalidArgument: first_seed below kFirstEvaluationSeed, episodes outside [1, 1000] (groups would overlap),

@@ -28,7 +28,9 @@ inline std::vector<std::string> SmallTraining() {
           "--set",    "learner.publish_interval_s=0.2",
           "--set",    "telemetry.interval_s=0.2",
           "--set",    "evaluation.interval_s=0",
-          "--set",    "evaluation.episodes=2"};
+          "--set",    "evaluation.episodes=2",
+          "--set",    "evaluation.candidates=2",
+          "--set",    "evaluation.candidate_episodes=2"};
 }
 
 // Owns the launcher and, through it, the cluster.

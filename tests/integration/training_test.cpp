@@ -34,20 +34,25 @@ TEST(Training, EndsAfterItsUpdatesWithAnEvaluatedPolicy) {
   EXPECT_GE(results["updates"], 150);
   EXPECT_GT(results["env_steps"], 0);
   EXPECT_EQ(results["final"]["episodes"], 2);
-  EXPECT_GE(results["final"]["updates"], 150);
   const double rates =
       results["final"]["success"].get<double>() + results["final"]["collision"].get<double>() +
       results["final"]["off_road"].get<double>() + results["final"]["stagnation"].get<double>();
   EXPECT_NEAR(rates, 1.0, 1e-9);
-  for (const char* name : {"config.yaml", "checkpoints/latest", "logs/learner.log", "logs/replay-0.log",
-                           "logs/actor-0.log", "episodes.csv"}) {
+  for (const char* name : {"config.yaml", "checkpoints/latest", "checkpoints/best", "logs/learner.log",
+                           "logs/replay-0.log", "logs/actor-0.log", "episodes.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(cluster.run() / name)) << name;
   }
   EXPECT_GT(LinesIn(cluster.run() / "episodes.csv"), 1u);
   EXPECT_FALSE(std::filesystem::is_empty(cluster.run() / "tensorboard"));
 
+  // What is graded is the best of the last policies.
+  const json selection = json::parse(FileText(cluster.run() / "selection.json"));
+  EXPECT_EQ(selection["episodes"], 2);
+  EXPECT_EQ(selection["candidates"][0]["updates"], 150);
+  EXPECT_EQ(selection["updates"], results["final"]["updates"]);
+
   // The policy file stands alone: another command evaluates it.
-  const CommandOutput evaluation = Dadrl({"evaluate", "--policy", cluster.run() / "checkpoints/latest",
+  const CommandOutput evaluation = Dadrl({"evaluate", "--policy", cluster.run() / "checkpoints/best",
                                           "--episodes", "2", "--seeds", "1", "--json"});
   ASSERT_EQ(evaluation.exit_code, 0) << evaluation.err;
   const json report = json::parse(evaluation.out);
@@ -100,6 +105,9 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
   const TemporaryFolder folder;
   const auto run = folder.path() / "run";
   double updates = 0;
+  // Left by an earlier end: a training that goes on has chosen nothing yet.
+  std::filesystem::create_directories(run);
+  std::ofstream(run / "selection.json") << "{}";
   {
     ClusterUnderTest cluster(run, LeftTurn());
     ASSERT_TRUE(cluster.MonitorUntil([](const json& monitor) { return monitor["updates"] > 30; }))
@@ -107,17 +115,23 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
     cluster.launcher().Signal(SIGTERM);
     ASSERT_EQ(cluster.WaitForEnd(60), 0) << cluster.Said();
     updates = json::parse(FileText(run / "results.json"))["updates"];
+    EXPECT_FALSE(std::filesystem::exists(run / "selection.json"));
   }
   const CommandOutput changed = Dadrl({"train", "--resume", "--run-dir", run, "--set", "model.hidden=64"});
   EXPECT_EQ(changed.exit_code, 2);
   EXPECT_THAT(changed.err, HasSubstr("--resume cannot change model.hidden from 32 to 64"));
 
   const int goal = static_cast<int>(updates) + 50;
-  ClusterUnderTest cluster(run, {"--resume", "--set", "learner.max_updates=" + std::to_string(goal)});
+  ClusterUnderTest cluster(run, {"--resume", "--set", "learner.max_updates=" + std::to_string(goal), "--set",
+                                 "evaluation.candidates=1"});
   ASSERT_EQ(cluster.WaitForEnd(180), 0) << cluster.Said();
   const json results = json::parse(FileText(run / "results.json"));
   EXPECT_EQ(results["state"], "finished");
   EXPECT_EQ(results["final"]["updates"], goal);
+  // One candidate: the newest, without a choice.
+  EXPECT_EQ(std::filesystem::read_symlink(run / "checkpoints/best"),
+            std::filesystem::read_symlink(run / "checkpoints/latest"));
+  EXPECT_FALSE(std::filesystem::exists(run / "selection.json"));
 }
 
 TEST(Training, IsTheSameTwiceWhenDeterministic) {

@@ -1,0 +1,127 @@
+#include "deploy/local/training_evaluator.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "common/model/policy_file.h"
+#include "deploy/local/executables.h"
+
+namespace dadrl {
+namespace {
+
+// While training the evaluation takes what the cluster leaves over.
+constexpr int kInterimNice = 10;
+
+int Cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+}  // namespace
+
+TrainingEvaluator::TrainingEvaluator(RunPaths paths, const Config& config,
+                                     std::function<void(const std::string&)> message)
+    : paths_(std::move(paths)), config_(config), message_(std::move(message)) {}
+
+Status TrainingEvaluator::StartInterim() { return StartEvaluation(paths_.policy(), false); }
+
+Status TrainingEvaluator::StartFinal() {
+  DADRL_ASSIGN_OR_RETURN(std::vector<SavedPolicy> candidates,
+                         NewestPolicies(paths_, config_.evaluation.candidates, message_));
+  if (config_.evaluation.candidates == 1) {
+    DADRL_RETURN_IF_ERROR(TakeNewest(paths_, candidates.front()));
+    return StartEvaluation(paths_.best_policy(), true);
+  }
+  DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));
+  DADRL_ASSIGN_OR_RETURN(SelectionJob job,
+                         SelectionJob::Create({.program = program,
+                                               .scenario = config_.scenario,
+                                               .config = paths_.config(),
+                                               .episodes = config_.evaluation.candidate_episodes,
+                                               .processes = std::max(Cores(), config_.evaluation.processes),
+                                               .candidates = std::move(candidates)}));
+  selection_.emplace(std::move(job));
+  return {};
+}
+
+Status TrainingEvaluator::StartEvaluation(const std::filesystem::path& policy_file, bool final) {
+  std::error_code error;
+  std::filesystem::copy_file(policy_file, paths_.evaluated_policy(),
+                             std::filesystem::copy_options::overwrite_existing, error);
+  if (error) {
+    return Fail(ErrorCode::kNotFound, "cannot copy {} to evaluate it: {}", policy_file.string(),
+                error.message());
+  }
+  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(paths_.evaluated_policy()));
+  DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));
+  DADRL_ASSIGN_OR_RETURN(
+      EvaluationJob job,
+      EvaluationJob::Create(
+          {.program = program,
+           .policy = paths_.evaluated_policy(),
+           .policy_label = fmt::format("{}@{}", paths_.root.filename().string(), policy.updates),
+           .policy_arguments = {},
+           .scenario = config_.scenario,
+           .config = paths_.config(),
+           .first_seed = final ? kFirstEvaluationSeed : kFirstValidationSeed,
+           .episodes = config_.evaluation.episodes,
+           .processes =
+               final ? std::max(Cores(), config_.evaluation.processes) : config_.evaluation.processes,
+           .nice = final ? 0 : kInterimNice}));
+  evaluation_.emplace(std::move(job));
+  final_ = final;
+  evaluated_ = {policy_file, policy.updates, policy.policy_version};
+  return {};
+}
+
+void TrainingEvaluator::Cancel() {
+  selection_.reset();
+  evaluation_.reset();
+}
+
+void TrainingEvaluator::AppendWaitFds(std::vector<pollfd>& fds) const {
+  if (selection_) selection_->AppendWaitFds(fds);
+  if (evaluation_) evaluation_->AppendWaitFds(fds);
+}
+
+std::vector<pid_t> TrainingEvaluator::RunningPids() const {
+  if (selection_) return selection_->RunningPids();
+  if (evaluation_) return evaluation_->RunningPids();
+  return {};
+}
+
+std::optional<Result<EvaluatedPolicy>> TrainingEvaluator::Step() {
+  if (selection_) {
+    selection_->Step();
+    if (!selection_->done()) return std::nullopt;
+    if (Status chosen = FinishSelection(); !chosen) return tl::unexpected<Error>(std::move(chosen.error()));
+    return std::nullopt;
+  }
+  if (!evaluation_) return std::nullopt;
+  evaluation_->Step();
+  if (!evaluation_->done()) return std::nullopt;
+  Result<EvaluationReport> report = evaluation_->TakeReport();
+  evaluation_.reset();
+  return std::move(report).map([&](EvaluationReport&& whole) {
+    return EvaluatedPolicy{evaluated_.updates, evaluated_.policy_version, std::move(whole)};
+  });
+}
+
+Status TrainingEvaluator::FinishSelection() {
+  const Result<Selection> selection = selection_->TakeSelection();
+  selection_.reset();
+  if (!selection) return tl::unexpected<Error>(selection.error());
+  DADRL_RETURN_IF_ERROR(SaveSelection(paths_, *selection));
+  message_("chosen: " + SelectionLine(*selection));
+  return StartEvaluation(paths_.best_policy(), true);
+}
+
+std::string TrainingEvaluator::Progress() const {
+  if (selection_) {
+    return fmt::format("choosing among {} policies: {} of {} episodes", selection_->candidates(),
+                       selection_->finished_episodes(), selection_->planned_episodes());
+  }
+  if (!evaluation_) return "";
+  return fmt::format("{}: {} of {} episodes", final_ ? "final evaluation" : "evaluation",
+                     evaluation_->finished_episodes(), evaluation_->planned_episodes());
+}
+
+}  // namespace dadrl
