@@ -2,7 +2,7 @@
 """Turns a finished run of `dadrl train` into a record that the documents are made from, and into a shipped policy.
 
   deploy/results/record_run.py runs/left_turn-seed1 --name left_turn-seed1 --ship left_turn
-      evaluates the run's newest policy on 5 x 50 unseen episodes (of each scenario when it was trained on all), writes
+      evaluates the policy that the run chose on 5 x 50 unseen episodes (of each scenario when it was trained on all), writes
       docs/data/runs/left_turn-seed1.json, and copies the policy with that record to deploy/policies/left_turn.*
   deploy/results/record_run.py runs/n_step_1 --experiment n_step
       a short controlled run: the evaluation that ended it is enough; writes docs/data/experiments/n_step/n_step_1.json
@@ -21,7 +21,7 @@ def parse(argv):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", type=pathlib.Path, help="run directory")
     parser.add_argument("--name", help="of the record (default: the directory's)")
-    parser.add_argument("--policy", type=pathlib.Path, help="default: RUN/checkpoints/latest")
+    parser.add_argument("--policy", type=pathlib.Path, help="default: RUN/checkpoints/best, or latest where none was chosen")
     parser.add_argument("--ship", metavar="NAME", help="also ship the policy: pretrained:NAME")
     parser.add_argument("--experiment", metavar="GROUP", help="record as a run of this experiment, not evaluated again")
     parser.add_argument("--episodes", type=int, default=50, help="of each seed group (default 50)")
@@ -42,12 +42,16 @@ def record_experiment(arguments, record):
     if "final" not in results:
         raise runs.ResultsError(f"{arguments.run}: no final evaluation in results.json; let the run end by itself")
     record["evaluation"] = results["final"]
+    record.update(runs.read_selection(arguments.run))
     return arguments.data / "experiments" / arguments.experiment / f"{record['name']}.json"
 
 
 def record_result(arguments, record):
-    policy = arguments.policy or arguments.run / "checkpoints" / "latest"
-    record["training"]["updates"] = runs.policy_updates(policy)
+    newest = arguments.run / "checkpoints" / "latest"
+    policy = arguments.policy or runs.chosen_policy(arguments.run) or newest
+    record["training"]["updates"] = runs.policy_updates(arguments.policy or newest)
+    if not arguments.policy:
+        record.update(runs.read_selection(arguments.run))
     record["evaluation"] = runs.evaluate(
         arguments.dadrl, policy, record["scenario"], arguments.episodes, arguments.seeds
     )

@@ -98,6 +98,27 @@ def policy_updates(path):
     return struct.unpack("<8sIIQ", head)[3]
 
 
+def chosen_policy(run):
+    """checkpoints/best of a run; None where nothing was chosen: runs of earlier versions, or training that goes on."""
+    path = pathlib.Path(run) / "checkpoints" / "best"
+    return path if path.exists() else None
+
+
+def read_selection(run):
+    """{"selection": how the run's policy was chosen}, from selection.json; {} when it is the newest unasked."""
+    path = pathlib.Path(run) / "selection.json"
+    if not path.exists():
+        return {}
+    selection = read_json(path)
+    best = chosen_policy(run)
+    if best is None or policy_updates(best) != selection.get("updates"):
+        raise ResultsError(f"{path}: is not about {run}/checkpoints/best; choose again: dadrl select --run-dir {run}")
+    kept = ("updates", "episodes", "lost_episodes", *RATES, "success_ci95", "median_steps")
+    candidates = [{key: candidate[key] for key in kept} for candidate in selection["candidates"]]
+    return {"selection": {**{key: selection[key] for key in ("updates", "first_seed", "episodes")},
+                          "candidates": candidates}}
+
+
 def _updates_by_time(run):
     """[(wall time, updates)] of logs/training.csv; empty without it."""
     path = run / "logs" / "training.csv"

@@ -203,16 +203,24 @@ def _result_row(who, report, missing):
     return [who, *outcome_cells(report), *figures]
 
 
+def chosen(record):
+    """Which of a training's policies is shown."""
+    selection = record.get("selection")
+    if selection is None:
+        return "the newest"
+    return f"{thousands(selection['updates'])}: best of {len(selection['candidates'])}"
+
+
 def training_cost(records):
     rows = []
     for name, record in records.items():
         training = record["training"]
         rows.append([f"`{name}`", METHODS[method_of(record)], str(training["seed"]), minutes(training["training_s"]),
-                     thousands(training["env_steps"]), thousands(training["updates"]),
+                     thousands(training["env_steps"]), thousands(training["updates"]), chosen(record),
                      with_interval(record["evaluation"], "success"), training["machine"], training["commit"]])
     if not rows:
         return f"No run is recorded: {MISSING}."
-    header = ["run", "method", "seed", "minutes", "environment steps", "updates", "success %", "machine", "commit"]
+    header = ["run", "method", "seed", "minutes", "environment steps", "updates", "policy", "success %", "machine", "commit"]
     return table(header, rows, left=2)
 
 

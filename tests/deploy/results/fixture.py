@@ -53,6 +53,17 @@ class ResultsTest(unittest.TestCase):
         (run / "checkpoints" / "latest").write_bytes(b"DADRLPOL" + struct.pack("<IIQ", 2, 9, 4950) + b"weights")
         return run
 
+    def choose(self, run, updates, of=(4950, 4000, 3000)):
+        """As `dadrl select` leaves it: the policy of `updates` is the best of those of `of`."""
+        best = run / "checkpoints" / f"policy-{updates:09}.dadrl"
+        best.write_bytes(b"DADRLPOL" + struct.pack("<IIQ", 2, 8, updates) + b"chosen weights")
+        (run / "checkpoints" / "best").symlink_to(best.name)
+        candidates = [{"file": f"policy-{each:09}.dadrl", "updates": each, "policy_version": 1, "lost_episodes": 0,
+                       **report(0.97 if each == updates else 0.9, episodes=100)} for each in of]
+        (run / "selection.json").write_text(json.dumps({
+            "scenario": "left_turn", "chosen": best.name, "updates": updates, "first_seed": 2000000, "episodes": 100,
+            "commit": "abc", "candidates": candidates}))
+
     def make_dadrl(self, answer, exit_code=0):
         """A `dadrl` that answers with this report, and keeps its arguments in `arguments`."""
         program = self.folder / "dadrl"

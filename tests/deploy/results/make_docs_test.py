@@ -57,8 +57,16 @@ class MakeDocs(ResultsTest):
         self.assertTrue(self.lines("results", "| **ours: without the context encoder**, seed 1 | 90.0"))
         self.assertIn("- `lt-free`: `model.context=false`", self.lines("results", "- `lt-free`"))
         self.assertIn("- `lt-1`: the defaults", self.lines("results", "- `lt-1`"))
-        self.assertTrue(self.lines("results", "| `lt-1` | DAD-RL | 1 | 1.7 | 90,000 | 5,000 | 96.0"))
+        self.assertTrue(self.lines("results", "| `lt-1` | DAD-RL | 1 | 1.7 | 90,000 | 5,000 | the newest | 96.0"))
         self.assertTrue(self.lines("results", "| paper: DAD-RL | 98 | 0 | (2) | 0 |"))
+
+    def test_says_which_of_how_many_policies_was_chosen(self):
+        run = self.make_run("lt-1")
+        self.choose(run, 4000)
+        record = {"name": "lt-1", **runs.read_run(run), **runs.read_selection(run), "evaluation": report(0.96)}
+        self.add("runs/lt-1.json", record)
+        self.assertEqual(self.make("results")[0], 0)
+        self.assertTrue(self.lines("results", "| `lt-1` | DAD-RL | 1 | 1.7 | 90,000 | 5,000 | 4,000: best of 3 | 96.0"))
 
     def test_one_policy_for_all_has_a_row_in_every_scenario(self):
         parts = [report(0.5 + 0.1 * i, name) for i, name in enumerate(tables.TITLES)]

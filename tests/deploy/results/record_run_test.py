@@ -44,6 +44,36 @@ class RecordRun(ResultsTest):
         self.assertEqual(self.read("policies", "left_turn.json"), self.read("data", "runs", "run.json"))
         self.assertIn(str(run / "checkpoints" / "latest"), (self.folder / "arguments").read_text())
 
+    def test_takes_the_policy_that_the_run_chose_and_says_of_how_many_on_which_traffic(self):
+        run = self.make_run()
+        self.choose(run, 4000)
+        self.assertEqual(self.record(run, "--ship", "left_turn")[0], 0)
+        self.assertIn(str(run / "checkpoints" / "best"), (self.folder / "arguments").read_text())
+        self.assertEqual((self.folder / "policies" / "left_turn.dadrl").read_bytes(),
+                         (run / "checkpoints" / "policy-000004000.dadrl").read_bytes())
+        record = self.read("data", "runs", "run.json")
+        self.assertEqual(record["training"]["updates"], 4950)
+        selection = record["selection"]
+        self.assertEqual((selection["updates"], selection["first_seed"], selection["episodes"]), (4000, 2000000, 100))
+        self.assertEqual([(each["updates"], each["success"]) for each in selection["candidates"]],
+                         [(4950, 0.9), (4000, 0.97), (3000, 0.9)])
+
+    def test_another_policy_is_recorded_without_the_choice(self):
+        run = self.make_run()
+        self.choose(run, 4000)
+        self.record(run, "--policy", run / "checkpoints" / "latest")
+        self.assertNotIn("selection", self.read("data", "runs", "run.json"))
+
+    def test_refuses_the_record_of_another_choice(self):
+        run = self.make_run()
+        self.choose(run, 4000)
+        (run / "checkpoints" / "best").unlink()
+        (run / "checkpoints" / "best").symlink_to("latest")
+        code, _, err = self.record(run)
+        self.assertEqual(code, 1)
+        self.assertIn(f"choose again: dadrl select --run-dir {run}", err)
+        self.assertFalse((self.folder / "data" / "runs").exists())
+
     def test_an_experiment_takes_the_evaluation_that_ended_the_run(self):
         self.assertEqual(self.record(self.make_run(), "--experiment", "n_step")[0], 0)
         self.assertFalse((self.folder / "arguments").exists())
