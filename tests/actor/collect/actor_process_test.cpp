@@ -152,8 +152,9 @@ TEST_F(ActorProcessTest, ARestartedActorDrivesOtherTraffic) {
     return std::count(text.begin(), text.end(), '\n') - 1;
   };
   for (int start = 1; start <= 2; ++start) {
+    const auto before = std::max<std::ptrdiff_t>(rows(), 0);  // the first may have driven several
     Program actor = Start();
-    EXPECT_TRUE(Eventually([&] { return rows() >= start; }, 90)) << Read(Log());
+    EXPECT_TRUE(Eventually([&] { return rows() > before; }, 90)) << Read(Log());
     actor.Kill();
   }
   std::set<std::string> seeds;
