@@ -132,6 +132,12 @@ struct Options {
   uint64_t limit = std::numeric_limits<uint64_t>::max();
 };
 
+uint64_t RowBytes(const ObservationSpec& spec) {
+  uint64_t bytes = 0;
+  for (const ArrayLayout& layout : ArrayLayouts(spec)) bytes += layout.row_bytes;
+  return bytes;
+}
+
 Status PrepareFolder(const fs::path& out, uint64_t rows, const ObservationSpec& spec) {
   std::error_code error;
   if (fs::exists(out, error) && !fs::is_empty(out, error)) {
@@ -140,8 +146,7 @@ Status PrepareFolder(const fs::path& out, uint64_t rows, const ObservationSpec& 
   }
   fs::create_directories(out, error);
   if (error) return Fail(ErrorCode::kInternal, "create {}: {}", out.string(), error.message());
-  uint64_t bytes = 0;
-  for (const ArrayLayout& layout : ArrayLayouts(spec)) bytes += rows * layout.row_bytes;
+  const uint64_t bytes = rows * RowBytes(spec);
   const fs::space_info space = fs::space(out, error);
   if (!error && bytes > space.available) {
     return Fail(ErrorCode::kExhausted,
@@ -207,7 +212,9 @@ Tool MakeExportTool(CLI::App& replay) {
   app->add_option("DIR", options->directory, "Run directory, its replay folder, one shard, or a snapshot")
       ->required();
   app->add_option("--out", options->out, "New folder for the arrays")->required()->type_name("ARRAYS");
-  app->add_option("--limit", options->limit, "At most so many frames, the oldest first (33.7 kB each)")
+  app->add_option("--limit", options->limit,
+                  fmt::format("At most so many frames, the oldest first ({:.1f} kB each)",
+                              static_cast<double>(RowBytes(ObservationSpec{})) / 1e3))
       ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()))
       ->type_name("N");
   return {app, [options] { return Export(*options); }};
