@@ -9,6 +9,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "common/io/incarnation.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "replay/service/replay_service.h"
@@ -18,8 +19,11 @@ namespace {
 
 constexpr int kWrongUsage = 2;
 
-dadrl::Result<uint64_t> ParseIncarnation(const std::string& text) {
-  if (text == "auto") return static_cast<uint64_t>(dadrl::WallTimeNs());
+dadrl::Result<uint64_t> Incarnation(const std::string& text, const dadrl::ReplayService::Options& options) {
+  if (text == "auto") {
+    return dadrl::NextIncarnation(options.run_directory, fmt::format("replay-{}", options.shard),
+                                  dadrl::WallTimeNs());
+  }
   uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
@@ -31,7 +35,7 @@ dadrl::Result<uint64_t> ParseIncarnation(const std::string& text) {
 
 dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService::Options options,
                   const std::string& incarnation) {
-  DADRL_ASSIGN_OR_RETURN(options.incarnation, ParseIncarnation(incarnation));
+  DADRL_ASSIGN_OR_RETURN(options.incarnation, Incarnation(incarnation, options));
   DADRL_RETURN_IF_ERROR(dadrl::LoadYaml(config_file, options.config));
   DADRL_RETURN_IF_ERROR(dadrl::Validate(options.config));
   if (options.shard >= static_cast<uint32_t>(options.config.replay.shards)) {

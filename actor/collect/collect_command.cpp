@@ -10,6 +10,7 @@
 #include "actor/experience/experience_writer.h"
 #include "actor/experience/weights_subscriber.h"
 #include "common/dds/node.h"
+#include "common/io/incarnation.h"
 #include "common/model/acting_policy.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
@@ -62,7 +63,8 @@ class Actor {
 
   const CollectOptions options_;
   const ObservationSpec spec_;
-  const uint64_t incarnation_ = static_cast<uint64_t>(WallTimeNs());
+  const uint64_t incarnation_ =
+      NextIncarnation(options_.run_directory, fmt::format("actor-{}", options_.index), WallTimeNs());
   SystemClock clock_;
   TimeLedger ledger_{clock_};
   ActingPolicy policy_;

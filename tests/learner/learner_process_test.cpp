@@ -121,6 +121,10 @@ class LearnerProcessTest : public testing::Test {
 };
 
 TEST_F(LearnerProcessTest, TrainsPublishesAndLeavesACheckpointWhenTerminated) {
+  // An earlier start, by a clock that ran far ahead.
+  const auto incarnation = folder_.path() / "run" / "incarnations" / "learner";
+  std::filesystem::create_directories(incarnation.parent_path());
+  ASSERT_TRUE(WriteFileAtomically(incarnation, "9000000000000000000\n"));
   StartShard();
   const auto learner = Start();
   ASSERT_TRUE(Eventually([&] { return newest_ >= 5; }, 60.0)) << Log();
@@ -134,6 +138,7 @@ TEST_F(LearnerProcessTest, TrainsPublishesAndLeavesACheckpointWhenTerminated) {
   const std::string table = ReadTextFile(folder_.path() / "run" / "logs" / "training.csv", kNoLimit).value();
   EXPECT_GE(std::count(table.begin(), table.end(), '\n'), 2);
   EXPECT_FALSE(std::filesystem::is_empty(folder_.path() / "run" / "tensorboard"));
+  EXPECT_EQ(ReadTextFile(incarnation, kNoLimit).value(), "9000000000000000001\n");
 }
 
 TEST_F(LearnerProcessTest, KilledLearnerGoesOnFromItsCheckpointAndNeverReusesAVersion) {

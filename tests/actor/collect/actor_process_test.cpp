@@ -106,6 +106,10 @@ class ActorProcessTest : public ::testing::Test {
 };
 
 TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
+  // An earlier start, by a clock that ran far ahead.
+  const auto incarnation = root_ / "incarnations" / "actor-0";
+  std::filesystem::create_directories(incarnation.parent_path());
+  std::ofstream(incarnation) << "9000000000000000000\n";
   ReplayPeer replay(config_.cluster, disk_, 1000);
   auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
   Program actor = Start();
@@ -125,6 +129,7 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   actor.Terminate();
   EXPECT_EQ(actor.Wait(), 0);
   EXPECT_THAT(Read(Log()), ::testing::Not(HasSubstr("not acknowledged")));
+  EXPECT_EQ(Read(incarnation), "9000000000000000001\n");
   const auto chunks = disk_.Copy();
   EXPECT_EQ(chunks.size(), replay.highest_seen());
   for (const auto& chunk : chunks) {
