@@ -1,7 +1,10 @@
 #include "common/telemetry/lcm_bus.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
+
+#include "common/telemetry/multicast_probe.h"
 
 namespace dadrl {
 namespace {
@@ -10,15 +13,25 @@ void Dispatch(const lcm_recv_buf_t* packet, const char*, void* handler) {
   (*static_cast<LcmBus::Handler*>(handler))({static_cast<const std::byte*>(packet->data), packet->data_size});
 }
 
+// LCM opens also where nothing that it sends is heard.
+Status CheckMulticast(std::string_view url) {
+  constexpr std::string_view kMulticast = "udpm://";
+  if (!url.starts_with(kMulticast)) return {};
+  url.remove_prefix(kMulticast.size());
+  return HearOwnMulticast(std::string(url.substr(0, url.find(':'))));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<LcmBus>> LcmBus::Open(const std::string& url) {
-  lcm_t* lcm = lcm_create(url.c_str());
+  const Status heard = CheckMulticast(url);
+  lcm_t* lcm = heard ? lcm_create(url.c_str()) : nullptr;
   if (lcm == nullptr) {
-    return Fail(ErrorCode::kUnavailable,
-                "no LCM at {}: the host has no multicast route; as root: ip link set lo multicast on && "
-                "ip route add 224.0.0.0/4 dev lo",
-                url);
+    return Fail(
+        ErrorCode::kUnavailable,
+        "no LCM at {}: this host does not hear its own multicast ({}); as root: ip link set lo multicast "
+        "on && ip route add 224.0.0.0/4 dev lo",
+        url, heard ? "LCM refuses" : heard.error().message);
   }
   return std::unique_ptr<LcmBus>(new LcmBus(lcm));
 }

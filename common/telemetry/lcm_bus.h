@@ -22,8 +22,8 @@ class LcmBus {
   // Gets the packet's bytes, lent for the call.
   using Handler = std::function<void(std::span<const std::byte>)>;
 
-  // `url`: "udpm://239.255.76.67:PORT?ttl=0", "memq://" (this object only). kUnavailable when the host has no
-  // multicast.
+  // `url`: "udpm://239.255.76.67:PORT?ttl=0", "memq://" (this object only). kUnavailable when the host does
+  // not hear its own multicast (found out here, in a quarter of a second).
   static Result<std::unique_ptr<LcmBus>> Open(const std::string& url);
   ~LcmBus();
   LcmBus(const LcmBus&) = delete;
@@ -32,8 +32,8 @@ class LcmBus {
   // Never blocks; a packet may be lost without a word. kUnavailable when the system refused it.
   Status Publish(const std::string& channel, std::span<const std::byte> packet);
 
-  // Queues up to `queue` packets of `channel` between two calls of Handle, then drops. kUnavailable when the
-  // host does not deliver multicast to itself (found out here, within seconds).
+  // Queues up to `queue` packets of `channel` between two calls of Handle, then drops. kUnavailable when LCM
+  // itself hears nothing of its own.
   Status Subscribe(const std::string& channel, int queue, Handler handler);
 
   // Waits at most `timeout` for one packet and calls its handler on this thread. False when none came.

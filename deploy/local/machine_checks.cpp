@@ -86,8 +86,7 @@ MachineCheck CheckPorts(int port) {
 // Whether a packet that this host multicasts comes back to it, as LCM needs.
 MachineCheck CheckMulticast(const ClusterConfig& cluster) {
   const std::string remedy =
-      "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo (training works without, "
-      "blindly)";
+      "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo (without, telemetry goes over DDS)";
   const std::string url = TelemetryUrl(cluster);
   const auto subscriber = TelemetrySubscriber::Create(url);
   if (!subscriber) return {"multicast", CheckState::kWarning, subscriber.error().message, remedy};

@@ -1,6 +1,12 @@
 #include "common/telemetry/lcm_bus.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
 
 namespace dadrl {
 namespace {
@@ -32,6 +38,29 @@ TEST(LcmBus, NamesAnUnusableUrl) {
   ASSERT_FALSE(bus);
   EXPECT_EQ(bus.error().code, ErrorCode::kUnavailable);
   EXPECT_NE(bus.error().message.find("not-an-address"), std::string::npos);
+}
+
+// In a host of its own whose kernel lets nobody join a group: LCM itself would open there.
+int OpenWhereNobodyHears(const std::string& url) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (unshare(CLONE_NEWNET) != 0) _exit(2);
+    if (std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo") != 0) _exit(3);
+    if (!LcmBus::Open(url)) _exit(4);
+    std::ofstream("/proc/sys/net/ipv4/igmp_max_memberships") << 0;
+    const auto bus = LcmBus::Open(url);
+    const bool said = !bus && bus.error().code == ErrorCode::kUnavailable &&
+                      bus.error().message.find("does not hear its own multicast") != std::string::npos;
+    _exit(said ? 0 : 5);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(LcmBus, SaysThatTheHostDoesNotHearItselfInsteadOfSpeakingToNobody) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root may make a network namespace";
+  EXPECT_EQ(OpenWhereNobodyHears("udpm://239.255.76.67:7667?ttl=0"), 0);
 }
 
 }  // namespace
