@@ -63,6 +63,7 @@ Status LinkFiles(const fs::path& from, const fs::path& to) {
     if (error) fs::copy_file(entry.path(), target, error);
     if (error) return tl::unexpected(IoError("link", target, error.value()));
   }
+  if (error) return tl::unexpected(IoError("list", from, error.value()));
   return SyncDirectory(to);
 }
 
@@ -71,8 +72,10 @@ Result<int> Restore(const Options& options) {
   const fs::path replay = run / "replay";
   const fs::path replaced = run / "replay.replaced";
   const fs::path restored = run / "replay.restored";
-  DADRL_ASSIGN_OR_RETURN(const std::vector<fs::path> snapshots, Snapshots(run, options.snapshot));
   std::error_code error;
+  // An earlier restore ended between its two renames: as if it had not begun.
+  if (!fs::exists(replay, error) && fs::exists(replaced, error)) fs::rename(replaced, replay, error);
+  DADRL_ASSIGN_OR_RETURN(const std::vector<fs::path> snapshots, Snapshots(run, options.snapshot));
   if (fs::exists(replaced, error)) {
     return Fail(ErrorCode::kInvalidArgument,
                 "{} is still there from an earlier restore; remove it or move it away", replaced.string());

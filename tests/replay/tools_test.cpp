@@ -305,6 +305,23 @@ TEST_F(ToolsTest, RestorePutsASnapshotInPlaceOfAStoppedReplay) {
   EXPECT_THAT(unknown.err, HasSubstr("no snapshot"));
 }
 
+TEST_F(ToolsTest, ARestoreThatWasKilledHalfWayCanBeRepeated) {
+  {
+    const auto table = OpenTable();
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+    ASSERT_TRUE(table->Snapshot(SnapshotFolder(run_, 0) / "good"));
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+  }
+  // What is there between the two renames.
+  fs::copy(run_ / "snapshots", run_ / "replay.restored", fs::copy_options::recursive);
+  fs::rename(run_ / "replay", run_ / "replay.replaced");
+  const ToolOutput restored = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
+  ASSERT_EQ(restored.exit_code, 0) << restored.err;
+  EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
+  const ToolOutput replaced = RunTool({"inspect", (run_ / "replay.replaced").string(), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(replaced.out)["transitions"], 600);
+}
+
 TEST_F(ToolsTest, OldAutomaticSnapshotsGoAndNamedOnesStay) {
   for (const char* name : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z", "mine"}) {
     fs::create_directories(folder_.path() / name);
