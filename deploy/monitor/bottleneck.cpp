@@ -110,7 +110,7 @@ std::string DescribeBottleneck(const ClusterSummary& summary, const Config& conf
   if (s.actor_replay >= kNotable) {
     return fmt::format(
         "learner: it computes {} % of its time, and the actors are held back {} % of theirs to keep "
-        "replay.samples_per_insert",
+        "replay.min_samples_per_insert",
         Percent(s.learner_work), Percent(s.actor_replay));
   }
   if (s.actor_weights >= kNotable) {

@@ -58,7 +58,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"SlowReplay", Row(kL, Activity::kWaitForBatch, 0.4), Row(kR, Activity::kWaitForCredits, 0.02),
              Row(kA, Activity::kWork, 0), "replay: the learner waits 40 %"},
         Case{"SlowLearner", Row(kL, Activity::kWork, 0), Row(kR, Activity::kWaitForSamples, 0.9),
-             Row(kA, Activity::kWaitForReplay, 0.6), "learner: it computes 100 %"},
+             Row(kA, Activity::kWaitForReplay, 0.6),
+             "learner: it computes 100 % of its time, and the actors are held back 60 % of theirs to keep "
+             "replay.min_samples_per_insert"},
         Case{"SlowDisk", Row(kL, Activity::kWaitForBatch, 0.4), Row(kR, Activity::kWaitForDisk, 0.5),
              Row(kA, Activity::kWork, 0), "disk: the replay"},
         Case{"BusyLearner", Row(kL, Activity::kWaitForBatch, 0.02), Row(kR, Activity::kWaitForCredits, 0.9),
