@@ -159,7 +159,6 @@ void ExperienceWriter::SendOrWait() {
   dadrl_idl_ChunkMessage message{};
   message.actor = actor_;
   message.oldest_kept = backlog_.oldest_kept();
-  message.oldest_kept = backlog_.acknowledged() + 1;
   message.bytes._buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(chunk->bytes.data()));
   message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(chunk->bytes.size());
   const Status sent = chunks_->Write(message);
