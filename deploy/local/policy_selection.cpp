@@ -32,9 +32,10 @@ std::vector<fs::path> PolicyFiles(const fs::path& checkpoints) {
 
 std::string Row(const std::string& updates, const std::string& success, const std::string& collision,
                 const std::string& off_road, const std::string& stagnation, const std::string& steps,
-                const std::string& mark) {
-  return fmt::format("{:>12} {:>9} {:>9} {:>9} {:>10} {:>7}  {}", updates, success, collision, off_road,
-                     stagnation, steps, mark);
+                const std::string& mark = "") {
+  const std::string row = fmt::format("{:>12} {:>9} {:>9} {:>9} {:>10} {:>7}", updates, success, collision,
+                                      off_road, stagnation, steps);
+  return row + (mark.empty() ? "\n" : "  " + mark + "\n");
 }
 
 std::string Percent(double rate) { return fmt::format("{:.1f}", 100 * rate); }
@@ -96,7 +97,7 @@ std::string SelectionTable(const Selection& selection) {
   std::string text = fmt::format("{}: {} episodes each, traffic seeds {} to {}\n", selection.scenario,
                                  selection.candidates.front().report.episodes.size(), selection.first_seed,
                                  selection.first_seed + static_cast<uint64_t>(selection.episodes) - 1);
-  text += Row("updates", "success %", "collision", "off-road", "stagnation", "steps", "") + "\n";
+  text += Row("updates", "success %", "collision", "off-road", "stagnation", "steps");
   for (const Candidate& candidate : selection.candidates) {
     const EvaluationFigures& all = candidate.report.all;
     std::string mark = &candidate == &selection.chosen() ? "chosen" : "";
@@ -106,8 +107,6 @@ std::string SelectionTable(const Selection& selection) {
     text += Row(Thousands(static_cast<double>(candidate.policy.updates)), Percent(all.success),
                 Percent(all.collision), Percent(all.off_road), Percent(all.stagnation),
                 fmt::format("{:.0f}", all.median_steps), mark);
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
   }
   return text;
 }
