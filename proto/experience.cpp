@@ -16,6 +16,27 @@ namespace {
 constexpr uint32_t kChunkMagic = 0x43584441;  // "ADXC"
 constexpr size_t kChecksumBytes = 8;
 
+// As it is on the wire: there are no gaps.
+struct WireHeader {
+  uint32_t magic;
+  uint32_t version;
+  uint32_t actor;
+  uint32_t first_frame;
+  uint32_t frames;
+  uint32_t payload_bytes;
+  uint64_t incarnation;
+  uint64_t sequence;
+  uint64_t episode;
+  uint64_t schema;
+};
+static_assert(sizeof(WireHeader) == kChunkHeaderBytes);
+
+WireHeader LoadHeader(std::span<const std::byte> bytes) {
+  WireHeader header;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  return header;
+}
+
 constexpr size_t PaddedFlags(size_t frames) { return (frames + 3) / 4 * 4; }
 constexpr size_t ColumnBytes(size_t frames) {
   return frames * (4 + sizeof(Action) + 4) + PaddedFlags(frames) + (frames + 1) * 4;
@@ -82,16 +103,17 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
   std::vector<std::byte> bytes;
   bytes.reserve(kChunkHeaderBytes + ColumnBytes(frames) + payloads_.size() + kChecksumBytes);
   ByteWriter writer(bytes);
-  writer.Put(kChunkMagic);
-  writer.Put(kExperienceVersion);
-  writer.Put(identity.actor);
-  writer.Put(first_frame_);
-  writer.Put(static_cast<uint32_t>(frames));
-  writer.Put(static_cast<uint32_t>(payloads_.size()));
-  writer.Put(identity.incarnation);
-  writer.Put(identity.sequence);
-  writer.Put(episode_);
-  writer.Put(schema_);
+  const WireHeader header{.magic = kChunkMagic,
+                          .version = kExperienceVersion,
+                          .actor = identity.actor,
+                          .first_frame = first_frame_,
+                          .frames = static_cast<uint32_t>(frames),
+                          .payload_bytes = static_cast<uint32_t>(payloads_.size()),
+                          .incarnation = identity.incarnation,
+                          .sequence = identity.sequence,
+                          .episode = episode_,
+                          .schema = schema_};
+  writer.PutBytes(std::as_bytes(std::span(&header, 1)));
   writer.PutBytes(std::as_bytes(std::span(policy_versions_)));
   writer.PutBytes(std::as_bytes(std::span(actions_)));
   writer.PutBytes(std::as_bytes(std::span(rewards_)));
@@ -112,32 +134,20 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes; one has {} to {}", bytes.size(),
                 kChunkHeaderBytes + kChecksumBytes, kMaxChunkBytes);
   }
-  ByteReader reader(bytes);
+  const WireHeader header = LoadHeader(bytes);
   checking(ChunkFault::kGarbage);
-  if (reader.Get<uint32_t>() != kChunkMagic) return Fail(ErrorCode::kCorrupt, "chunk has no magic number");
-  const auto version = reader.Get<uint32_t>();
+  if (header.magic != kChunkMagic) return Fail(ErrorCode::kCorrupt, "chunk has no magic number");
   checking(ChunkFault::kVersion);
-  if (version != kExperienceVersion) {
-    return Fail(ErrorCode::kCorrupt, "chunk has version {}, this build reads {}", version,
+  if (header.version != kExperienceVersion) {
+    return Fail(ErrorCode::kCorrupt, "chunk has version {}, this build reads {}", header.version,
                 kExperienceVersion);
   }
-  ChunkView view;
-  view.bytes_ = bytes;
-  ChunkHeader& header = view.header_;
-  header.identity.actor = reader.Get<uint32_t>();
-  header.first_frame = reader.Get<uint32_t>();
-  header.frames = reader.Get<uint32_t>();
-  const size_t payload_bytes = reader.Get<uint32_t>();
-  header.identity.incarnation = reader.Get<uint64_t>();
-  header.identity.sequence = reader.Get<uint64_t>();
-  header.episode = reader.Get<uint64_t>();
-  header.schema = reader.Get<uint64_t>();
-  const size_t frames = header.frames;
   checking(ChunkFault::kLength);
-  if (frames < 1 || frames > kMaxChunkFrames) {
-    return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", frames, kMaxChunkFrames);
+  if (header.frames < 1 || header.frames > kMaxChunkFrames) {
+    return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", header.frames, kMaxChunkFrames);
   }
-  const size_t expected = kChunkHeaderBytes + ColumnBytes(frames) + payload_bytes + kChecksumBytes;
+  const size_t expected =
+      kChunkHeaderBytes + ColumnBytes(header.frames) + header.payload_bytes + kChecksumBytes;
   if (bytes.size() != expected) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
   }
@@ -145,17 +155,29 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
   if (Xxh3(bytes.first(bytes.size() - kChecksumBytes)) != Load<uint64_t>(&bytes[bytes.size() - 8], 0)) {
     return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
   }
-  view.payload_bytes_ = payload_bytes;
+  ChunkView view;
+  view.bytes_ = bytes;
+  view.frames_ = header.frames;
+  view.payload_bytes_ = header.payload_bytes;
   checking(ChunkFault::kContents);
-  if (header.identity.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
-    return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.identity.sequence,
+  if (header.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
+    return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.sequence,
                 header.first_frame);
   }
-  if (view.offset(0) != 0 || view.offset(view.frames()) != payload_bytes) {
+  if (view.offset(0) != 0 || view.offset(view.frames()) != header.payload_bytes) {
     return Fail(ErrorCode::kCorrupt, "chunk's offsets do not span its payloads");
   }
   DADRL_RETURN_IF_ERROR(view.CheckFrames());
   return view;
+}
+
+ChunkHeader ChunkView::header() const {
+  const WireHeader header = LoadHeader(bytes_);
+  return {.identity = {header.actor, header.incarnation, header.sequence},
+          .episode = header.episode,
+          .first_frame = header.first_frame,
+          .frames = header.frames,
+          .schema = header.schema};
 }
 
 Status ChunkView::CheckFrames() const {

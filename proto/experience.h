@@ -143,8 +143,9 @@ class ChunkView {
   // Looks at `copy` from now on: the same bytes at another place. Nothing is checked again.
   void Rebase(std::span<const std::byte> copy) { bytes_ = copy; }
 
-  const ChunkHeader& header() const { return header_; }
-  int frames() const { return static_cast<int>(header_.frames); }
+  // Read anew at each call: the replay holds very many views, and asks few of them.
+  ChunkHeader header() const;
+  int frames() const { return static_cast<int>(frames_); }
   uint32_t policy_version(int frame) const { return Load<uint32_t>(policy_versions(), frame); }
   Action action(int frame) const { return Load<Action>(actions(), frame); }
   float reward(int frame) const { return Load<float>(rewards(), frame); }
@@ -171,17 +172,17 @@ class ChunkView {
 
   Status CheckFrames() const;
 
-  // Where the columns begin. Computed: the replay holds very many views, and reads few of each.
+  // Where the columns begin.
   const std::byte* policy_versions() const { return bytes_.data() + kChunkHeaderBytes; }
-  const std::byte* actions() const { return policy_versions() + header_.frames * sizeof(uint32_t); }
-  const std::byte* rewards() const { return actions() + header_.frames * sizeof(Action); }
-  const std::byte* flag_bytes() const { return rewards() + header_.frames * sizeof(float); }
-  const std::byte* offsets() const { return flag_bytes() + (header_.frames + size_t{3}) / 4 * 4; }
-  const std::byte* payloads() const { return offsets() + (header_.frames + size_t{1}) * sizeof(uint32_t); }
+  const std::byte* actions() const { return policy_versions() + frames_ * sizeof(uint32_t); }
+  const std::byte* rewards() const { return actions() + frames_ * sizeof(Action); }
+  const std::byte* flag_bytes() const { return rewards() + frames_ * sizeof(float); }
+  const std::byte* offsets() const { return flag_bytes() + (frames_ + size_t{3}) / 4 * 4; }
+  const std::byte* payloads() const { return offsets() + (frames_ + size_t{1}) * sizeof(uint32_t); }
 
   std::span<const std::byte> bytes_;
-  ChunkHeader header_;
-  size_t payload_bytes_ = 0;
+  uint32_t frames_ = 0;
+  uint32_t payload_bytes_ = 0;
 };
 
 }  // namespace dadrl

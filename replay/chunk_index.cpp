@@ -38,19 +38,13 @@ void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkV
     segments_.back()->segment = segment;
   }
   StoredSegment& home = *segments_.back();
-  StoredChunk& stored = home.chunks.emplace_back();
-  stored.view = chunk;
-  stored.segment = &home;
-  stored.number = static_cast<uint32_t>(home.chunks.size() - 1);
-  stored.offset = segment->OffsetOf(chunk.bytes());
-  stored.checksum = chunk.checksum();
-  stored.slots.assign(static_cast<size_t>(chunk.frames()), StoredChunk::kNoItem);
+  StoredChunk& stored = home.chunks.emplace_back(chunk, home, static_cast<uint32_t>(home.chunks.size()));
   ++chunk_count_;
   AddFrames(stored, Continue(stored));
 }
 
 ChunkIndex::OpenEpisode& ChunkIndex::Continue(StoredChunk& chunk) {
-  const ChunkHeader& header = chunk.view.header();
+  const ChunkHeader header = chunk.view.header();
   OpenEpisode& episode = episodes_[header.identity.actor];
   const bool starts_with_final = (chunk.view.flags(0) & kHasAction) == 0;
   const bool continues = episode.last != nullptr && episode.incarnation == header.identity.incarnation &&
@@ -70,7 +64,6 @@ ChunkIndex::OpenEpisode& ChunkIndex::Continue(StoredChunk& chunk) {
 
 void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
   const auto n_step = static_cast<size_t>(options_.n_step);
-  chunk.oldest_version = std::numeric_limits<uint32_t>::max();
   uint8_t flags = 0;
   for (int frame = 0; frame < chunk.view.frames(); ++frame) {
     flags = chunk.view.flags(frame);
@@ -78,14 +71,13 @@ void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
       Release(episode, episode.pending.size());
       continue;
     }
-    ++chunk.actions;
     chunk.oldest_version = std::min(chunk.oldest_version, chunk.view.policy_version(frame));
     // This frame is the observation that slices which end here bootstrap from.
     if (episode.pending.size() == n_step) Release(episode, 1);
     episode.pending.push_back({.chunk = &chunk, .frame = static_cast<uint8_t>(frame)});
     if ((flags & kTerminated) != 0) Release(episode, episode.pending.size());
   }
-  frames_ += chunk.actions;
+  frames_ += chunk.actions();
   episode.truncated = (flags & kTruncated) != 0;
   const bool ended = (flags & kHasAction) == 0 || (flags & kTerminated) != 0;
   if (ended) episode.last = nullptr;
@@ -102,7 +94,7 @@ void ChunkIndex::MakeItem(const Item& item) {
   const uint32_t frame = item.chunk->view.header().first_frame + item.frame;
   if (frame % static_cast<uint32_t>(options_.stride) != 0) return;
   if (TooStale(item.chunk->view.policy_version(item.frame))) {
-    item.chunk->slots[item.frame] = StoredChunk::kRemoved;
+    item.chunk->slots()[item.frame] = StoredChunk::kRemoved;
     return;
   }
   uint32_t slot = static_cast<uint32_t>(items_.size());
@@ -114,7 +106,7 @@ void ChunkIndex::MakeItem(const Item& item) {
     items_[slot] = item;
   }
   items_[slot].priority = static_cast<float>(max_priority_);
-  item.chunk->slots[item.frame] = slot;
+  item.chunk->slots()[item.frame] = slot;
   selector_->Insert(slot, max_priority_);
   if (remover_) remover_->Insert(slot, max_priority_);
   draws_left_ += static_cast<uint64_t>(options_.max_times_sampled);
@@ -130,7 +122,7 @@ void ChunkIndex::FreeSlot(uint32_t slot) {
   if (remover_) remover_->Delete(slot);
   draws_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
                  (options_.max_times_sampled > 0 ? item.times_sampled : 0);
-  item.chunk->slots[item.frame] = StoredChunk::kRemoved;
+  item.chunk->slots()[item.frame] = StoredChunk::kRemoved;
   item = {};
   free_slots_.push_back(slot);
 }
@@ -148,10 +140,10 @@ void ChunkIndex::DropOldest() {
     std::erase_if(episode.pending, [&](const Item& item) { return item.chunk->segment == &oldest; });
   }
   for (StoredChunk& chunk : oldest.chunks) {
-    for (const uint32_t slot : chunk.slots) {
+    for (const uint32_t slot : chunk.slots()) {
       if (StoredChunk::IsItem(slot)) RemoveItem(slot);
     }
-    frames_ -= chunk.actions;
+    frames_ -= chunk.actions();
   }
   chunk_count_ -= oldest.chunks.size();
   segments_.pop_front();
@@ -163,25 +155,27 @@ bool ChunkIndex::CanDraw(size_t count) const {
 
 DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
   assert(CanDraw(count) && n_step >= 1 && n_step <= options_.n_step);
-  DrawnItems drawn;
-  drawn.items.reserve(count);
-  drawn.chunks.reserve(2 * count);
-  drawn.segments.reserve(count);
   // Memory is slower than all that is done here: each pass asks for what the next one reads.
-  std::vector<uint32_t> slots;
-  slots.reserve(count);
+  std::vector<Selector::Draw> draws(count);
   std::vector<uint32_t> spent;
-  for (size_t i = 0; i < count; ++i) {
-    const Selector::Draw draw = selector_->Sample(random);
-    Prefetch(&items_[draw.slot], sizeof(Item));
-    slots.push_back(draw.slot);
-    drawn.items.emplace_back().probability = static_cast<float>(draw.probability);
-    if (options_.max_times_sampled > 0 && Spend(draw.slot)) spent.push_back(draw.slot);
+  if (options_.max_times_sampled == 0) {
+    selector_->SampleMany(random, draws);
+  } else {
+    for (Selector::Draw& draw : draws) {
+      draw = selector_->Sample(random);
+      if (Spend(draw.slot)) spent.push_back(draw.slot);
+    }
   }
-  for (const uint32_t slot : slots) Prefetch(items_[slot].chunk, sizeof(StoredChunk));
+  for (const auto& draw : draws) Prefetch(&items_[draw.slot], sizeof(Item));
+  for (const auto& draw : draws) Prefetch(items_[draw.slot].chunk, sizeof(StoredChunk));
+  DrawnItems drawn;
+  drawn.items.resize(count);
+  drawn.chunks.reserve(2 * count);
+  ++draws_;
   for (size_t i = 0; i < count; ++i) {
-    Item& item = items_[slots[i]];
+    Item& item = items_[draws[i].slot];
     if (options_.max_times_sampled == 0 && item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
+    drawn.items[i].probability = static_cast<float>(draws[i].probability);
     drawn.items[i].frame = item.frame;
     drawn.items[i].key = KeyOf(*item.chunk, item.frame);
     AddChunks(*item.chunk, n_step, drawn.items[i], drawn);
@@ -207,8 +201,9 @@ void ChunkIndex::AddChunks(const StoredChunk& first, int n_step, DrawnItems::Ite
   for (const StoredChunk* chunk = &first; chunk != nullptr && left > 0; chunk = chunk->next) {
     drawn.chunks.push_back(chunk->view);
     left -= chunk->view.frames();
-    const auto& segment = chunk->segment->segment;
-    if (drawn.segments.empty() || drawn.segments.back() != segment) drawn.segments.push_back(segment);
+    if (std::exchange(chunk->segment->last_draw, draws_) != draws_) {
+      drawn.segments.push_back(chunk->segment->segment);
+    }
   }
   item.chunk_count = drawn.chunks.size() - item.first_chunk;
 }
@@ -239,9 +234,10 @@ void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
   if (!std::isfinite(priority) || priority < 0.0) return;
   StoredChunk* chunk = Find(key);
   const auto frame = static_cast<size_t>(key & ((uint64_t{1} << kFrameBits) - 1));
-  if (chunk == nullptr || frame >= chunk->slots.size() || !StoredChunk::IsItem(chunk->slots[frame])) return;
+  if (chunk == nullptr || frame >= chunk->slots().size() || !StoredChunk::IsItem(chunk->slots()[frame]))
+    return;
   max_priority_ = std::max(max_priority_, priority);
-  SetPriority(chunk->slots[frame], priority);
+  SetPriority(chunk->slots()[frame], priority);
 }
 
 void ChunkIndex::SetPriority(uint32_t slot, double priority) {
@@ -274,7 +270,7 @@ void ChunkIndex::RemoveStale(StoredChunk& chunk) {
   for (int frame = 0; frame < chunk.view.frames(); ++frame) {
     if ((chunk.view.flags(frame) & kHasAction) == 0) continue;
     const uint32_t version = chunk.view.policy_version(frame);
-    const uint32_t slot = chunk.slots[static_cast<size_t>(frame)];
+    const uint32_t slot = chunk.slots()[static_cast<size_t>(frame)];
     if (!TooStale(version)) {
       oldest_left = std::min(oldest_left, version);
     } else if (StoredChunk::IsItem(slot)) {

@@ -122,6 +122,7 @@ class ChunkIndex {
   std::unordered_map<uint32_t, OpenEpisode> episodes_;  // by actor
   uint64_t frames_ = 0;
   uint64_t chunk_count_ = 0;
+  uint64_t draws_ = 0;       // so far
   uint64_t draws_left_ = 0;  // over all items; counts only with max_times_sampled
   double max_priority_ = 1.0;
   uint32_t newest_version_ = 0;

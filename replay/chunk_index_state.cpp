@@ -21,8 +21,8 @@ ItemStates ChunkIndex::States() const {
   for (const auto& segment : segments_) {
     for (const StoredChunk& chunk : segment->chunks) {
       states.chunks.push_back(
-          {segment->segment->id(), chunk.checksum, static_cast<uint32_t>(chunk.slots.size())});
-      for (const uint32_t slot : chunk.slots) {
+          {segment->segment->id(), chunk.checksum, static_cast<uint32_t>(chunk.slots().size())});
+      for (const uint32_t slot : chunk.slots()) {
         const bool item = StoredChunk::IsItem(slot);
         const float none = slot == StoredChunk::kRemoved ? ItemStates::kRemoved : ItemStates::kNoItem;
         states.priorities.push_back(item ? items_[slot].priority : none);
@@ -51,7 +51,7 @@ void ChunkIndex::Restore(const ItemStates& states) {
     auto& chunks = (*segment)->chunks;
     size_t found = next;
     while (found < chunks.size() && chunks[found].checksum != saved.checksum) ++found;
-    if (found == chunks.size() || chunks[found].slots.size() != saved.frames) continue;
+    if (found == chunks.size() || chunks[found].slots().size() != saved.frames) continue;
     next = found + 1;
     for (size_t i = 0; i < saved.frames; ++i) {
       RestoreItem(chunks[found], i, states.priorities[first + i], states.times_sampled[first + i]);
@@ -60,7 +60,7 @@ void ChunkIndex::Restore(const ItemStates& states) {
 }
 
 void ChunkIndex::RestoreItem(StoredChunk& chunk, size_t frame, float priority, uint32_t times_sampled) {
-  const uint32_t slot = chunk.slots[frame];
+  const uint32_t slot = chunk.slots()[frame];
   if (!StoredChunk::IsItem(slot) || priority == ItemStates::kNoItem || !std::isfinite(priority)) return;
   const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
   if (priority < 0.0f || (limit > 0 && times_sampled >= limit)) return RemoveItem(slot);
@@ -79,7 +79,8 @@ uint64_t ChunkIndex::FramesBehind(LogPosition position) const {
   uint64_t frames = 0;
   for (const auto& stored : segments_) {
     for (const StoredChunk& chunk : stored->chunks) {
-      if (position < LogPosition{stored->segment->id(), chunk.offset}) frames += chunk.actions;
+      const LogPosition at{stored->segment->id(), stored->segment->OffsetOf(chunk.view.bytes())};
+      if (position < at) frames += chunk.actions();
     }
   }
   return frames;

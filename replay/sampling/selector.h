@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "common/config/config.h"
 #include "common/util/random.h"
@@ -26,6 +27,10 @@ class Selector {
   virtual void Update(uint32_t slot, double priority) = 0;
   // Not empty.
   virtual Draw Sample(Random& random) = 0;
+  // The same as one Sample after the other, perhaps faster.
+  virtual void SampleMany(Random& random, std::span<Draw> draws) {
+    for (Draw& draw : draws) draw = Sample(random);
+  }
   virtual size_t size() const = 0;
   // Memory an item costs, for the bound on it.
   virtual size_t bytes_per_item() const = 0;

@@ -1,5 +1,7 @@
 #include "replay/sampling/uniform_selector.h"
 
+#include "common/util/prefetch.h"
+
 namespace dadrl {
 
 void UniformSelector::Insert(uint32_t slot, double) {
@@ -13,6 +15,16 @@ void UniformSelector::Delete(uint32_t slot) {
   slots_[hole] = slots_.back();
   position_[slots_[hole]] = hole;
   slots_.pop_back();
+}
+
+void UniformSelector::SampleMany(Random& random, std::span<Draw> draws) {
+  // Asked for before the first is read, so that the cache misses overlap.
+  for (Draw& draw : draws) {
+    draw.slot = static_cast<uint32_t>(random.Below(slots_.size()));
+    Prefetch(&slots_[draw.slot], 1);
+  }
+  const double probability = 1.0 / static_cast<double>(slots_.size());
+  for (Draw& draw : draws) draw = {slots_[draw.slot], probability};
 }
 
 }  // namespace dadrl

@@ -15,6 +15,7 @@ class UniformSelector final : public Selector {
   Draw Sample(Random& random) override {
     return {slots_[random.Below(slots_.size())], 1.0 / static_cast<double>(slots_.size())};
   }
+  void SampleMany(Random& random, std::span<Draw> draws) override;
   size_t size() const override { return slots_.size(); }
   size_t bytes_per_item() const override { return 2 * sizeof(uint32_t); }
 

@@ -150,6 +150,23 @@ INSTANTIATE_TEST_SUITE_P(Kinds, AllSelectors,
                                          SamplerKind::kNewestFirst, SamplerKind::kOldestFirst,
                                          SamplerKind::kHighestPriority, SamplerKind::kLowestPriority));
 
+TEST_P(AllSelectors, ManyDrawsAreThoseOfOneAfterTheOther) {
+  const auto selector = MakeSelector(GetParam(), 0.7);
+  Random priorities(3);
+  for (uint32_t slot = 0; slot < 1000; ++slot) selector->Insert(slot, priorities.Uniform(0.0, 5.0));
+  for (uint32_t slot = 0; slot < 1000; slot += 3) selector->Delete(slot);
+  Random one(4);
+  Random many(4);
+  std::vector<Selector::Draw> draws(300);
+  selector->SampleMany(many, draws);
+  for (const Selector::Draw& draw : draws) {
+    const Selector::Draw expected = selector->Sample(one);
+    ASSERT_EQ(draw.slot, expected.slot);
+    ASSERT_EQ(draw.probability, expected.probability);
+  }
+  EXPECT_EQ(one.state(), many.state());
+}
+
 TEST_P(AllSelectors, DrawOnlyWhatIsInUnderRandomOperations) {
   const auto selector = MakeSelector(GetParam(), 0.7);
   std::vector<bool> in(500, false);
