@@ -7,6 +7,7 @@
 
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
+#include "common/util/prefetch.h"
 
 namespace dadrl {
 namespace {
@@ -16,6 +17,7 @@ constexpr uint32_t kBatchVersion = 1;
 constexpr size_t kHeaderBytes = 24;
 constexpr size_t kEntryBytes = 40;
 constexpr size_t kChecksumBytes = 8;
+constexpr size_t kAhead = 16;  // items whose payloads are asked for before they are copied
 
 struct Entry {
   uint64_t key = 0;
@@ -145,9 +147,16 @@ std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uin
   put_value(static_cast<uint32_t>(total));
   for (const SampledItem& item : items) put_value(EntryOf(item));
   for (const SampledItem& item : items) put(std::as_bytes(item.rewards));
-  for (const SampledItem& item : items) {
-    put(item.first);
-    put(item.next);
+  // The payloads lie anywhere: while one is copied, those behind it are on their way.
+  const auto fetch = [](const SampledItem& item) {
+    Prefetch(item.first.data(), item.first.size());
+    Prefetch(item.next.data(), item.next.size());
+  };
+  std::for_each_n(items.begin(), std::min(kAhead, items.size()), fetch);
+  for (size_t i = 0; i < items.size(); ++i) {
+    if (i + kAhead < items.size()) fetch(items[i + kAhead]);
+    put(items[i].first);
+    put(items[i].next);
   }
   put_value(Xxh3(std::span(bytes).first(total - kChecksumBytes)));
   return bytes;

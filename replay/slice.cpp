@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/util/prefetch.h"
 
 namespace dadrl {
 namespace {
@@ -105,8 +104,6 @@ Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step) {
       return Changed(from.key);
     }
     item.rewards = std::span(batch.rewards).subspan(first_reward);
-    Prefetch(item.first.data(), item.first.size());
-    Prefetch(item.next.data(), item.next.size());
   }
   return batch;
 }

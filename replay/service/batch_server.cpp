@@ -63,7 +63,9 @@ void BatchServer::Work(const std::atomic<bool>& stop) {
     if (!drawn) continue;
     const Request request = drawn->request;
     bytes = Read(std::move(*drawn), std::move(bytes));
-    SendInTurn(request, bytes, stop);
+    Send(request, bytes, stop);
+    MutexLock serving(serving_mutex_);
+    std::erase(serving_, request.id);
   }
 }
 
@@ -79,7 +81,8 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
       ledger_.Enter(Activity::kWork);  // ends the wait; looking whether it is over does not
       Drawn drawn{pending_.front(), std::move(*items)};
       pending_.pop_front();
-      order_.TakePlace(drawn.request.id);
+      MutexLock serving(serving_mutex_);
+      serving_.push_back(drawn.request.id);
       return drawn;
     }
     SayWithheld();
@@ -102,8 +105,8 @@ void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
   if (message.shard != shard_ || message.learner < learner_) return;
   if (message.learner > learner_) pending_.clear();
   learner_ = message.learner;
-  const ReplyOrder::Request id{message.learner, message.request};
-  if (order_.Holds(id)) return;
+  const RequestId id{message.learner, message.request};
+  if (Serves(id)) return;
   const auto known = std::find_if(pending_.begin(), pending_.end(),
                                   [&](const Request& request) { return request.id == id; });
   if (known != pending_.end()) {
@@ -203,23 +206,25 @@ std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> mem
   return {};
 }
 
-void BatchServer::SendInTurn(const Request& request, std::vector<std::byte>& bytes,
-                             const std::atomic<bool>& stop) {
-  order_.WaitForTurn(request.id);
+bool BatchServer::Serves(const RequestId& id) const {
+  MutexLock serving(serving_mutex_);
+  return std::find(serving_.begin(), serving_.end(), id) != serving_.end();
+}
+
+void BatchServer::Send(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop) {
   while (!bytes.empty() && !stop.load()) {
     if (endpoints_.replies->matched() == 0) {
       SystemClock().SleepFor(kWait);
     } else if (const Status sent = Reply(request, bytes); sent) {
       batches_.fetch_add(1);
       bytes_.fetch_add(bytes.size());
-      break;
+      return;
     } else if (sent.error().code != ErrorCode::kUnavailable) {
       spdlog::error("a batch of {} bytes is lost: {}", bytes.size(), sent.error().message);
-      break;
+      return;
     }
-    if (Replaced(request.id.learner)) break;
+    if (Replaced(request.id.learner)) return;
   }
-  order_.Leave();
 }
 
 bool BatchServer::Replaced(uint64_t learner) {

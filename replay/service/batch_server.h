@@ -16,15 +16,15 @@
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 #include "proto/topics.h"
-#include "replay/service/reply_order.h"
 #include "replay/table.h"
 
 namespace dadrl {
 
 // One thread runs Run, which starts the others; statistics, ledger and Wake are for any. The threads take
 // turns: one leads, that is, waits for requests and draws the next batch; then another leads while it reads,
-// serialises and sends that batch. Batches are drawn and sent in the order of their requests; those of an
-// earlier learner are dropped as soon as a later one speaks. Bounded: kMaxPending requests.
+// serialises and sends that batch. Batches are drawn in the order of their requests, and may overtake each
+// other on their way out. Those of an earlier learner are dropped as soon as a later one speaks. Bounded:
+// kMaxPending requests.
 class BatchServer {
  public:
   // One sends while the other prepares: DDS takes as long for a batch as the table.
@@ -58,12 +58,17 @@ class BatchServer {
     std::unique_ptr<dds::Reader<dadrl_idl_PriorityUpdate>> priorities;
     std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies;
   };
+  struct RequestId {
+    uint64_t learner = 0;
+    uint64_t number = 0;
+    bool operator==(const RequestId&) const = default;
+  };
   struct Request {
-    ReplyOrder::Request id;
+    RequestId id;
     ReplayTable::Wanted wanted;
     bool told = false;  // that it is withheld
   };
-  // A request whose batch is drawn, with its place in `order_`.
+  // A request whose batch is drawn, and which is in `serving_`.
   struct Drawn {
     Request request;
     DrawnItems items;
@@ -86,9 +91,10 @@ class BatchServer {
 
   // Serialises a batch into `memory`; empty when it cannot be sent.
   std::vector<std::byte> Read(Drawn drawn, std::vector<std::byte> memory);
-  // In turn; tries until it is sent, refused by DDS for good, or its learner replaced, or `stop`.
-  void SendInTurn(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop)
+  // Tries until it is sent, refused by DDS for good, or its learner replaced, or `stop`.
+  void Send(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop)
       DADRL_EXCLUDES(lead_);
+  bool Serves(const RequestId& id) const DADRL_EXCLUDES(serving_mutex_);
   Status Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal = {});
   bool Replaced(uint64_t learner) DADRL_EXCLUDES(lead_);
 
@@ -102,7 +108,8 @@ class BatchServer {
   Mutex lead_;
   uint64_t learner_ DADRL_GUARDED_BY(lead_) = 0;
   std::deque<Request> pending_ DADRL_GUARDED_BY(lead_);
-  ReplyOrder order_;
+  mutable Mutex serving_mutex_;
+  std::vector<RequestId> serving_ DADRL_GUARDED_BY(serving_mutex_);  // drawn, not sent yet
   std::atomic<bool> waiting_{false};
   std::atomic<uint64_t> batches_{0};
   std::atomic<uint64_t> bytes_{0};
