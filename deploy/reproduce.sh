@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Reproduces a row of docs/results.md from nothing, on a bare Debian 12: installs the packages, builds, trains with the
-# scenario's recipe (deploy/config/scenarios/SCENARIO.yaml), evaluates on 250 unseen episodes, records the result in
-# docs/data/runs. A second run skips what is done; a stopped one goes on.
+# scenario's recipe (deploy/config/scenarios/SCENARIO.yaml), evaluates the policy that the training chose among its last
+# ones on 250 unseen episodes, records the result in docs/data/runs. A second run skips what is done; a stopped one goes on.
 #
 #   deploy/reproduce.sh SCENARIO|all [--seed S] [--run-dir DIR] [--ship] [-- further options of dadrl train]
 #
