@@ -72,11 +72,9 @@ Command MakeSelectCommand(CLI::App& dadrl) {
   app->add_option("--processes", options->processes, "Default: one a core")->check(CLI::Range(1, 1024));
   app->add_flag("--json", options->json, "One JSON object on standard output");
   app->footer(
-      "The highest success wins; among equals the fewest collisions, then the shortest median time, then the "
-      "newest.\n"
-      "RUN/checkpoints/best links to the choice, RUN/selection.json says how it came about. Traffic seeds "
-      "start at\n"
-      "2000000: never those of training (below 1000000) or of dadrl evaluate (1000000 and up).");
+      "The highest success wins; among equals the fewest collisions, then the newest.\n"
+      "RUN/checkpoints/best links to the choice, RUN/selection.json says how it came about.\n"
+      "Traffic seeds start at 2000000: never those of training (below 1000000) or of dadrl evaluate.");
   return {app, [options] { return RunSelect(*options); }};
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include "common/io/atomic_file.h"
@@ -64,8 +63,7 @@ Result<std::vector<SavedPolicy>> NewestPolicies(const RunPaths& paths, int count
 }
 
 bool DrivesBetter(const EvaluationFigures& a, const EvaluationFigures& b) {
-  return std::tuple(-a.success, a.collision, a.median_steps) <
-         std::tuple(-b.success, b.collision, b.median_steps);
+  return std::pair(-a.success, a.collision) < std::pair(-b.success, b.collision);
 }
 
 const Candidate& Selection::chosen() const {

@@ -32,8 +32,8 @@ struct Candidate {
   EvaluationReport report;
 };
 
-// Whether `a` is to be preferred: more success, then fewer collisions, then fewer steps (median). False when
-// they are equal in all three: then the newer policy is taken.
+// Whether `a` is to be preferred: more success, then fewer collisions. False when they are equal in both:
+// then the newer policy is taken, not the faster one, which is often the one in a hurry (docs/results.md).
 bool DrivesBetter(const EvaluationFigures& a, const EvaluationFigures& b);
 
 struct Selection {
