@@ -4,6 +4,7 @@
 #include <dds/dds.h>
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -91,12 +92,10 @@ class Reader final : public ReaderBase {
   // Samples without data (disposals) are skipped.
   template <typename Visit>
   int Take(int max, Visit&& visit) {
+    auto call = [&visit](const void* sample) { std::invoke(visit, *static_cast<const Sample*>(sample)); };
     return TakeSamples(
-        max,
-        [](void* context, const void* sample) {
-          (*static_cast<Visit*>(context))(*static_cast<const Sample*>(sample));
-        },
-        &visit);
+        max, [](void* context, const void* sample) { (*static_cast<decltype(call)*>(context))(sample); },
+        &call);
   }
 };
 

@@ -49,6 +49,28 @@ TEST_F(EndpointTest, DeliversEverySampleWholeAndInOrder) {
   sender.join();
 }
 
+uint32_t last_number = 0;
+void KeepNumber(const dds_test_Blob& blob) { last_number = blob.number; }
+
+TEST_F(EndpointTest, TakesAnyCallable) {
+  const auto writer = BlobWriter::Create(*replay_, kNewest).value();
+  std::vector<uint8_t> bytes(10);
+  ASSERT_TRUE(writer->Write(MakeBlob(7, bytes)));
+  uint32_t number = 0;
+  auto visit = [&number](const dds_test_Blob& blob) mutable { number = blob.number; };
+  const auto constant = [&number](const dds_test_Blob& blob) { number = blob.number; };
+  const auto take = [&](auto&& visitor) {
+    const auto reader = BlobReader::Create(*actor_, kNewest).value();
+    EXPECT_TRUE(reader->Wait(std::chrono::seconds(20)));
+    EXPECT_EQ(reader->Take(1, visitor), 1);
+    return std::exchange(number, 0);
+  };
+  EXPECT_EQ(take(visit), 7u);
+  EXPECT_EQ(take(constant), 7u);
+  take(KeepNumber);
+  EXPECT_EQ(last_number, 7u);
+}
+
 TEST_F(EndpointTest, GivesALateReaderTheNewestSampleOnly) {
   const auto writer = BlobWriter::Create(*replay_, kNewest).value();
   std::vector<uint8_t> bytes(2000000);
