@@ -4,23 +4,6 @@
 
 namespace dadrl {
 
-void RateLimiter::Stopwatch::Set(bool waiting, TimePoint now) {
-  if (waiting == running) return;
-  if (waiting) {
-    ++total.count;
-    since = now;
-  } else {
-    total.seconds += ToSeconds(now - since);
-  }
-  running = waiting;
-}
-
-RateLimiter::Wait RateLimiter::Stopwatch::At(TimePoint now) const {
-  Wait wait = total;
-  if (running) wait.seconds += ToSeconds(now - since);
-  return wait;
-}
-
 void RateLimiter::Reconfigure(const Options& options) {
   options_ = options;
   Restore(state_);
@@ -38,24 +21,14 @@ bool RateLimiter::SamplingOpen(int64_t count) const {
 
 RateLimiter::Hold RateLimiter::MaySample(int64_t count, int64_t size) {
   last_request_ = count;
-  Hold hold = Hold::kNone;
-  if (size < std::max<int64_t>(options_.min_size, 1)) {
-    hold = Hold::kMinimumSize;
-  } else if (!SamplingOpen(count)) {
-    hold = Hold::kSamplesPerInsert;
-  }
-  const TimePoint now = clock_.Now();
-  minimum_size_.Set(hold == Hold::kMinimumSize, now);
-  inserts_.Set(hold == Hold::kSamplesPerInsert, now);
-  return hold;
+  if (size < std::max<int64_t>(options_.min_size, 1)) return Hold::kMinimumSize;
+  return SamplingOpen(count) ? Hold::kNone : Hold::kSamplesPerInsert;
 }
 
-bool RateLimiter::MayInsert(int64_t size) {
+bool RateLimiter::MayInsert(int64_t size) const {
   const double max_debt = options_.band * options_.min_samples_per_insert;
-  const bool may = options_.min_samples_per_insert <= 0.0 || state_.insert_debt <= max_debt ||
-                   size < std::max<int64_t>(options_.min_size, 1) || !SamplingOpen(last_request_);
-  samples_.Set(!may, clock_.Now());
-  return may;
+  return options_.min_samples_per_insert <= 0.0 || state_.insert_debt <= max_debt ||
+         size < std::max<int64_t>(options_.min_size, 1) || !SamplingOpen(last_request_);
 }
 
 void RateLimiter::OnInsert(int64_t frames) {
@@ -73,11 +46,6 @@ void RateLimiter::OnSample(int64_t count) {
   if (options_.max_samples_per_insert > 0.0) state_.sample_credit -= samples;
   // Sampling more than was owed is not saved up either.
   state_.insert_debt = std::max(state_.insert_debt - samples, 0.0);
-}
-
-RateLimiter::Waits RateLimiter::waits() const {
-  const TimePoint now = clock_.Now();
-  return {minimum_size_.At(now), inserts_.At(now), samples_.At(now)};
 }
 
 }  // namespace dadrl

@@ -15,8 +15,6 @@
 
 #include <cstdint>
 
-#include "common/util/clock.h"
-
 namespace dadrl {
 
 // Not thread safe.
@@ -31,16 +29,6 @@ class RateLimiter {
   };
   // Why sampling has to wait.
   enum class Hold { kNone, kMinimumSize, kSamplesPerInsert };
-  // Cumulative waiting by reason: how often one began, and for how long.
-  struct Wait {
-    uint64_t count = 0;
-    double seconds = 0.0;
-  };
-  struct Waits {
-    Wait for_minimum_size;
-    Wait for_inserts;  // samples per insert at its maximum
-    Wait for_samples;  // samples per insert at its minimum: inserts held back
-  };
   // What a restart restores.
   struct State {
     int64_t inserted = 0;  // frames since the run began
@@ -49,17 +37,16 @@ class RateLimiter {
     double insert_debt = 0.0;
   };
 
-  // Borrows `clock`, which only measures the waits.
-  RateLimiter(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
+  explicit RateLimiter(const Options& options) : options_(options) {}
 
   // New bounds from now on; credit and debt are clamped to the new band.
   void Reconfigure(const Options& options);
 
-  // May `count` transitions be sampled now, of `size` sampleable items? Starts or ends a counted wait. A
-  // request larger than the band is served once the band is full.
+  // May `count` transitions be sampled now, of `size` sampleable items? A request larger than the
+  // band is served once the band is full.
   Hold MaySample(int64_t count, int64_t size);
-  // May more frames come in? Starts or ends a counted wait. Advice for the senders: what arrives is stored.
-  bool MayInsert(int64_t size);
+  // May more frames come in? Advice for the senders: what arrives is stored.
+  bool MayInsert(int64_t size) const;
 
   void OnInsert(int64_t frames);
   void OnSample(int64_t count);
@@ -67,28 +54,14 @@ class RateLimiter {
   const Options& options() const { return options_; }
   const State& state() const { return state_; }
   void Restore(const State& state);
-  // The running waits included.
-  Waits waits() const;
 
  private:
-  // One reason's wait, running or not.
-  struct Stopwatch {
-    Wait total;
-    bool running = false;
-    TimePoint since{};
-    void Set(bool waiting, TimePoint now);
-    Wait At(TimePoint now) const;
-  };
   double MaxCredit() const { return options_.band * options_.max_samples_per_insert; }
   bool SamplingOpen(int64_t count) const;
 
   Options options_;
-  const Clock& clock_;
   State state_;
   int64_t last_request_ = 1;
-  Stopwatch minimum_size_;
-  Stopwatch inserts_;
-  Stopwatch samples_;
 };
 
 }  // namespace dadrl

@@ -50,7 +50,7 @@ ReplayTable::ReplayTable(TableOptions options, const Clock& clock)
     : options_(std::move(options)),
       clock_(clock),
       index_(IndexOptions(options_)),
-      limiter_(LimiterOptions(options_.replay), clock),
+      limiter_(LimiterOptions(options_.replay)),
       random_(options_.seed) {}
 
 Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, const Clock& clock) {
@@ -248,7 +248,7 @@ void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<con
   }
 }
 
-bool ReplayTable::MayInsert() {
+bool ReplayTable::MayInsert() const {
   MutexLock lock(mutex_);
   // A batch that cannot be drawn pays no debt.
   return limiter_.MayInsert(Drawable(last_count_));
@@ -299,7 +299,6 @@ ReplayTable::Stats ReplayTable::stats() const {
   stats.chunks_held = index_.chunks();
   stats.index_bytes = index_.memory_bytes();
   stats.disk_bytes = log_->bytes();
-  stats.waits = limiter_.waits();
   return stats;
 }
 

@@ -24,6 +24,7 @@
 #include "common/util/mutex.h"
 #include "common/util/random.h"
 #include "common/util/result.h"
+#include "common/util/time_ledger.h"
 #include "proto/experience.h"
 #include "replay/chunk_index.h"
 #include "replay/rate_limiter.h"
@@ -72,8 +73,7 @@ class ReplayTable {
     uint64_t chunks_held = 0;
     uint64_t index_bytes = 0;
     uint64_t disk_bytes = 0;
-    RateLimiter::Waits waits;
-    RateLimiter::Wait for_disk;  // inserts that had to begin a segment
+    TimeSpent for_disk;  // inserts that had to begin a segment
   };
   enum class Insertion {
     kStored,
@@ -105,7 +105,7 @@ class ReplayTable {
   // kInvalidArgument: the folder exists, or the table is in memory only.
   Result<SnapshotReport> Snapshot(const std::filesystem::path& directory);
 
-  // Whether a batch may be sampled now, and if not, why: ask again after inserts. Counts the wait.
+  // Whether a batch may be sampled now, and if not, why: ask again after inserts.
   // `sequence_length`: of the sequences that are asked for; 0 for slices.
   RateLimiter::Hold MaySample(size_t count, int sequence_length = 0);
   // What a batch is drawn for.
@@ -125,8 +125,8 @@ class ReplayTable {
   Result<SampledSequences> SampleSequences(size_t count, int length, uint32_t policy_version);
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
 
-  // Whether actors may send more. Counts the wait.
-  bool MayInsert();
+  // Whether actors may send more.
+  bool MayInsert() const;
   // Other bounds for the limiter, from now on; over restarts too, until the configuration changes.
   void Reconfigure(const RateLimiter::Options& options);
   RateLimiter::Options limiter_options() const;

@@ -57,8 +57,6 @@ uint64_t WriterBase::match_generation() const {
   return status.total_count;
 }
 
-void WriterBase::AssertLiveliness() { dds_assert_liveliness(writer_); }
-
 Status WriterBase::WriteSample(const void* sample) {
   const dds_return_t result = dds_write(writer_, sample);
   if (result == DDS_RETCODE_OK) return {};

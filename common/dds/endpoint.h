@@ -24,7 +24,6 @@ class WriterBase {
   int matched() const;
   // Grows whenever a reader appears; lets a sender notice a replaced peer.
   uint64_t match_generation() const;
-  void AssertLiveliness();
 
  protected:
   WriterBase() = default;

@@ -236,7 +236,6 @@ ClusterSummary ClusterView::Summarize(TimePoint now) const {
                    [](const Wait& a, const Wait& b) { return a.fraction > b.fraction; });
   summary.env_steps = Total(dds::Role::kActor, Metric::kEnvSteps);
   summary.episodes = Total(dds::Role::kActor, Metric::kEpisodes);
-  summary.inserted_frames = Total(dds::Role::kReplay, Metric::kInsertedFrames);
   for (const RejectionKind& kind : kRejectionKinds) {
     const double count = Total(kind.role, kind.metric);
     if (count > 0.0) summary.rejected[kind.name] = count;

@@ -67,7 +67,6 @@ struct ClusterSummary {
   double episodes = 0.0;
   double updates = 0.0;  // as the learner counts them: over the whole run
   double weights_version = 0.0;
-  double inserted_frames = 0.0;
   double replay_frames = 0.0;
   double replay_bytes = 0.0;
   MeanMax staleness_versions;

@@ -19,7 +19,6 @@ class TelemetryRelay {
   static Result<std::unique_ptr<TelemetryRelay>> Create(const dds::Node& node, const ClusterConfig& cluster);
   // Passes on what has arrived.
   void Pass();
-  uint64_t rejected_packets() const { return rejected_; }
 
  private:
   TelemetryRelay() = default;
@@ -27,7 +26,7 @@ class TelemetryRelay {
 
   std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> in_;
   std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> out_;
-  std::unique_ptr<LcmBus> bus_;  // null where the host has no multicast
+  std::unique_ptr<LcmBus> bus_;  // null where the host does not hear its own multicast
   uint64_t rejected_ = 0;
 };
 
