@@ -49,6 +49,7 @@ constexpr std::string_view kMetricNames[] = {
     "frames_held",
     "memory_bytes",
     "disk_bytes",
+    "snapshot_bytes",
     "updates",
     "weights_version",
     "batch_bytes",

@@ -49,6 +49,7 @@ enum class Metric : int {
   kFramesHeld,       // now
   kMemoryBytes,      // now
   kDiskBytes,        // now
+  kSnapshotBytes,    // now, held by snapshots alone
   // learner
   kUpdates,                // cumulative
   kWeightsVersion,         // now
@@ -117,7 +118,8 @@ class TelemetryPublisher {
   // LCM alone. `url`: TelemetryUrl; empty: off.
   explicit TelemetryPublisher(const std::string& url);
   // As the cluster's processes do it: LCM on the replay's host, and where that is another one, or this one
-  // has no multicast, to the relay of replay shard 0. Off when the configuration says so. Borrows `node`.
+  // does not hear its own multicast, to the relay of replay shard 0. Off when the configuration says so.
+  // Borrows `node`.
   TelemetryPublisher(const Config& config, const dds::Node& node);
   ~TelemetryPublisher();
   void Publish(const ProcessStatus& status);
@@ -131,11 +133,11 @@ class TelemetryPublisher {
 // Not thread safe. Packets of the wrong length or type are counted and dropped before they are decoded.
 class TelemetrySubscriber {
  public:
-  // LCM alone. kUnavailable when the host has no multicast.
+  // LCM alone. kUnavailable when the host does not hear its own multicast.
   static Result<std::unique_ptr<TelemetrySubscriber>> Create(const std::string& url);
   // What the relay of replay shard 0 passes on: nothing of processes that LCM reaches. Joins DDS.
   static Result<std::unique_ptr<TelemetrySubscriber>> CreateRelayed(const Config& config);
-  // LCM, or the relay where the host has no multicast.
+  // LCM, or the relay where the host does not hear its own multicast.
   static Result<std::unique_ptr<TelemetrySubscriber>> Create(const Config& config);
   ~TelemetrySubscriber();
   // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread; an empty one

@@ -211,6 +211,7 @@ void ClusterView::Accumulate(const ProcessRow& row, const Process& process, Time
       summary.sampled_mb_per_s += rate(Metric::kSampledBytes) / kBytesPerMb;
       summary.replay_frames += row[Metric::kFramesHeld];
       summary.replay_bytes += row[Metric::kMemoryBytes];
+      summary.snapshot_bytes += row[Metric::kSnapshotBytes];
       break;
     case dds::Role::kLearner:
       summary.updates_per_s += rate(Metric::kUpdates);

@@ -69,6 +69,7 @@ struct ClusterSummary {
   double weights_version = 0.0;
   double replay_frames = 0.0;
   double replay_bytes = 0.0;
+  double snapshot_bytes = 0.0;  // held by snapshots alone
   MeanMax staleness_versions;
   MeanMax staleness_s;
   // What was refused or dropped since the view began, by kind ("garbage", "duplicate chunks"); only what

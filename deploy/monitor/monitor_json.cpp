@@ -68,6 +68,7 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"weights_version", Whole(summary.weights_version)},
           {"replay_frames", Whole(summary.replay_frames)},
           {"replay_bytes", Whole(summary.replay_bytes)},
+          {"snapshot_bytes", Whole(summary.snapshot_bytes)},
           {"staleness_versions", MeanMaxJson(summary.staleness_versions)},
           {"staleness_s", MeanMaxJson(summary.staleness_s)},
           {"waits", waits},

@@ -96,6 +96,9 @@ std::vector<std::string> RenderPanel(const Progress& progress, size_t width) {
       fmt::format("  replay      {} frames, {:.1f} MB, {:.0f} inserted/s, {:.0f} sampled/s, {:.1f} MB/s",
                   Thousands(s.replay_frames), s.replay_bytes / 1e6, s.inserted_frames_per_s,
                   s.sampled_transitions_per_s, s.inserted_mb_per_s + s.sampled_mb_per_s));
+  if (s.snapshot_bytes > 0.0) {
+    lines.push_back(fmt::format("  snapshots   {:.1f} MB in files of their own", s.snapshot_bytes / 1e6));
+  }
   if (!s.rejected.empty()) lines.push_back("  rejected    " + Rejected(s));
   lines.push_back(
       fmt::format("  learner     {} updates, {:.1f} updates/s, critic loss {:.3g}, temperature {:.3g}",

@@ -124,14 +124,15 @@ Result<std::string> Keeper::TakeSnapshot(const std::string& name) {
   DADRL_ASSIGN_OR_RETURN(const SnapshotReport report, table_.Snapshot(snapshots_ / name));
   const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
   return fmt::format(
-      "shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied; {} snapshots hold {:.1f} MB that the "
-      "replay does not",
+      "shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied; {} snapshots hold {:.1f} MB in files of "
+      "their own",
       shard_, (snapshots_ / name).string(), static_cast<double>(report.bytes) / 1e6,
       static_cast<double>(report.copied_bytes) / 1e6, use.snapshots, static_cast<double>(use.bytes) / 1e6);
 }
 
-Status Keeper::CheckSnapshots() const {
+Status Keeper::CheckSnapshots() {
   const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
+  snapshot_bytes_.store(use.bytes);
   if (use.bytes <= static_cast<uint64_t>(replay_.max_disk_bytes)) return {};
   return Fail(
       ErrorCode::kExhausted,

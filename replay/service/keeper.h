@@ -32,6 +32,8 @@ class Keeper {
 
   void Run(const std::atomic<bool>& stop);
   void Wake() { commands_->Wake(); }
+  // Bytes that only snapshots hold, as last looked at; for any thread.
+  uint64_t snapshot_bytes() const { return snapshot_bytes_.load(); }
 
  private:
   using CommandReader = dds::Reader<dadrl_idl_ReplayCommand>;
@@ -46,7 +48,7 @@ class Keeper {
   Result<std::string> TakeSnapshot(const std::string& name);
   Status TakeAutomaticSnapshot();
   // kExhausted when snapshots hold more than the replay itself may.
-  Status CheckSnapshots() const;
+  Status CheckSnapshots();
 
   const std::unique_ptr<CommandReader> commands_;
   const std::unique_ptr<AnswerWriter> answers_;
@@ -55,6 +57,7 @@ class Keeper {
   const std::filesystem::path snapshots_;
   ReplayTable& table_;
   const std::function<void()> on_limit_;
+  std::atomic<uint64_t> snapshot_bytes_{0};
   Chores chores_;
 
   // The last command, so that one that is sent again is answered again, not done again.

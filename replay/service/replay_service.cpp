@@ -147,6 +147,7 @@ void ReplayService::PublishStatus() {
   status[Metric::kFramesHeld] = static_cast<double>(table.frames_held);
   status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
   status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
+  status[Metric::kSnapshotBytes] = static_cast<double>(keeper_->snapshot_bytes());
   // The server's thread shows which side is slower; from the ingest thread come only the waits it alone has.
   status.activities = server_->ledger().Read();
   const ActivityTotals ingest = ingest_->ledger().Read();

@@ -136,6 +136,7 @@ TEST(ClusterView, AddsReplayShardsAndTakesTheLearnersWord) {
       replay[Metric::kSampledBytes] = 3e6 * t;
       replay[Metric::kFramesHeld] = 5000;
       replay[Metric::kMemoryBytes] = 1e7;
+      replay[Metric::kSnapshotBytes] = 2e6;
       view.Add(replay, kStart + seconds(t));
     }
     ProcessStatus learner = MakeStatus(dds::Role::kLearner, 0, 1.0 + t);
@@ -151,6 +152,7 @@ TEST(ClusterView, AddsReplayShardsAndTakesTheLearnersWord) {
   EXPECT_DOUBLE_EQ(summary.inserted_mb_per_s, 2.0);
   EXPECT_DOUBLE_EQ(summary.sampled_mb_per_s, 6.0);
   EXPECT_DOUBLE_EQ(summary.replay_frames, 10000.0);
+  EXPECT_DOUBLE_EQ(summary.snapshot_bytes, 4e6);
   EXPECT_DOUBLE_EQ(summary.updates_per_s, 25.0);
   EXPECT_DOUBLE_EQ(summary.updates, 95.0);
   EXPECT_EQ(summary.weights_version, 8.0);

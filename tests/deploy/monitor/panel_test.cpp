@@ -62,6 +62,15 @@ TEST(Panel, ShowsWhatWasRejectedByKindOnceThereIsSomething) {
   EXPECT_TRUE(MonitorJson({}, "")["rejected"].empty());
 }
 
+TEST(RenderPanel, SaysWhatSnapshotsHoldWhenTheyHoldAnything) {
+  Progress progress = Sample();
+  EXPECT_THAT(RenderPanel(progress, 120), testing::Not(testing::Contains(HasSubstr("snapshots"))));
+  progress.summary.snapshot_bytes = 12.5e6;
+  EXPECT_THAT(RenderPanel(progress, 120),
+              testing::Contains(HasSubstr("snapshots   12.5 MB in files of their own")));
+  EXPECT_EQ(MonitorJson(progress.summary, "")["snapshot_bytes"], 12'500'000);
+}
+
 TEST(Panel, SaysHowOftenAndHowLongEachProcessWaitedForWhat) {
   ClusterSummary summary;
   summary.processes.emplace_back().name = "replay-0";
@@ -131,7 +140,7 @@ TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
   const auto json = MonitorJson(summary, "none");
   for (const char* key : {"env_steps_per_s", "inserted_frames_per_s", "sampled_transitions_per_s", "mb_per_s",
                           "updates_per_s", "weights_version", "replay_frames", "replay_bytes",
-                          "staleness_versions", "staleness_s", "waits", "bottleneck"}) {
+                          "snapshot_bytes", "staleness_versions", "staleness_s", "waits", "bottleneck"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   EXPECT_EQ(json["mb_per_s"], 4.5);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "proto/telemetry.h"
 #include "tests/replay/run_tool.h"
 #include "tests/replay/service/service_fixture.h"
 
@@ -75,6 +76,7 @@ TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheR
   constexpr uint64_t kBound = 1 << 20;
   config_.replay.max_disk_bytes = kBound;
   config_.replay.segment_bytes = kBound / 4;
+  config_.telemetry.interval_s = 0.1;
   const std::filesystem::path run = folder_.path() / "run";
   const std::filesystem::path snapshots = run / "snapshots" / "shard-0";
   const std::filesystem::path segment = snapshots / "old" / "segment-000000000001.log";
@@ -82,6 +84,13 @@ TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheR
   std::ofstream(segment) << "of a replay that has dropped it";
   std::filesystem::resize_file(segment, kBound);
   Launch();
+  const auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster)).value();
+  double told = 0.0;
+  EXPECT_TRUE(Eventually([&] {
+    const auto hear = [&](const ProcessStatus& status) { told = status[Metric::kSnapshotBytes]; };
+    telemetry->Poll(std::chrono::milliseconds(100), hear, {});
+    return told == kBound;
+  })) << told;
   // Once the second is answered, what was due before the first is done.
   for (int i = 0; i < 2; ++i) {
     const ToolOutput limit = RunTool({"limit", "--min-size", "4", "--run-dir", run.string()});
