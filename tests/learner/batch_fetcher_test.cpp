@@ -12,7 +12,6 @@ namespace dadrl {
 namespace {
 
 using namespace std::chrono_literals;
-using dds::Eventually;
 
 constexpr uint64_t kIncarnation = 77;
 constexpr int kBatchSize = 16;

@@ -12,7 +12,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 #include "tests/learner/fake_algorithm.h"
 
 namespace dadrl {
@@ -50,7 +50,7 @@ class CheckpointStoreTest : public testing::Test {
     return names;
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(CheckpointStoreTest, KeepsTheNewestWithTheirPoliciesAndALinkToTheLast) {

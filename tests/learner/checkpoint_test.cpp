@@ -6,7 +6,7 @@
 #include "common/config/config_yaml.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 #include "tests/learner/fake_algorithm.h"
 
 namespace dadrl {
@@ -29,7 +29,7 @@ class CheckpointTest : public testing::Test {
     return checkpoint;
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
   const std::filesystem::path path_ = folder_.path() / "checkpoint-12.ckpt";
   Config config_;
   FakeAlgorithm algorithm_;

@@ -65,7 +65,7 @@ class TestShard {
   // Waits for at least `count` requests.
   std::vector<dadrl_idl_BatchRequest> AwaitRequests(size_t count) {
     std::vector<dadrl_idl_BatchRequest> requests;
-    EXPECT_TRUE(dds::Eventually([&] {
+    EXPECT_TRUE(Eventually([&] {
       for (const auto& request : TakeRequests()) requests.push_back(request);
       return requests.size() >= count;
     }));
@@ -73,7 +73,7 @@ class TestShard {
   }
   void Reply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes, int claimed_shard = -1) {
     // The reader may have been discovered a moment after the writer.
-    ASSERT_TRUE(dds::Eventually([&] { return replies_->matched() > 0; }));
+    ASSERT_TRUE(Eventually([&] { return replies_->matched() > 0; }));
     ASSERT_TRUE(TryReply(learner, request, bytes, claimed_shard));
   }
   // Fails while a learner that was killed still counts as there.
@@ -90,7 +90,7 @@ class TestShard {
     return replies_->Write(reply);
   }
   void Refuse(uint64_t learner, uint64_t request, const std::string& reason) {
-    ASSERT_TRUE(dds::Eventually([&] { return replies_->matched() > 0; }));
+    ASSERT_TRUE(Eventually([&] { return replies_->matched() > 0; }));
     dadrl_idl_BatchReply reply{};
     reply.shard = index_;
     reply.learner = learner;

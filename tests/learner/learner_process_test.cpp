@@ -14,14 +14,13 @@
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
 #include "learner/checkpoint_store.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 #include "tests/learner/cluster_fixture.h"
 
 namespace dadrl {
 namespace {
 
 using namespace std::chrono_literals;
-using dds::Eventually;
 using testing::HasSubstr;
 
 constexpr uint64_t kNoLimit = uint64_t{1} << 24;
@@ -110,7 +109,7 @@ class LearnerProcessTest : public testing::Test {
     if (shard_.joinable()) shard_.join();
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
   const std::filesystem::path log_ = folder_.path() / "learner.log";
   Config config_;
   const BatchMaker maker_{ObservationSpec{}};
@@ -127,7 +126,7 @@ TEST_F(LearnerProcessTest, TrainsPublishesAndLeavesACheckpointWhenTerminated) {
   ASSERT_TRUE(WriteFileAtomically(incarnation, "9000000000000000000\n"));
   StartShard();
   const auto learner = Start();
-  ASSERT_TRUE(Eventually([&] { return newest_ >= 5; }, 60.0)) << Log();
+  ASSERT_TRUE(Eventually([&] { return newest_ >= 5; }, std::chrono::seconds(60))) << Log();
   learner->Signal(SIGTERM);
   EXPECT_EQ(learner->Wait(), 0) << Log();
   const auto policy = LoadPolicy(Checkpoints() / "latest");
@@ -152,7 +151,7 @@ TEST_F(LearnerProcessTest, KilledLearnerGoesOnFromItsCheckpointAndNeverReusesAVe
           const auto policy = LoadPolicy(Checkpoints() / "latest");
           return newest_ >= before + 10 && policy && policy->updates > updates;
         },
-        60.0))
+        std::chrono::seconds(60)))
         << Log();
     learner->Signal(SIGKILL);
     EXPECT_EQ(learner->Wait(), -SIGKILL);
@@ -172,8 +171,8 @@ TEST_F(LearnerProcessTest, StopsByItselfAtMaxUpdates) {
 
 TEST_F(LearnerProcessTest, TerminatedWhileItWaitsForAReplayLeavesAtOnce) {
   const auto learner = Start();
-  ASSERT_TRUE(
-      Eventually([&] { return std::filesystem::exists(folder_.path() / "run" / "tensorboard"); }, 60.0));
+  ASSERT_TRUE(Eventually([&] { return std::filesystem::exists(folder_.path() / "run" / "tensorboard"); },
+                         std::chrono::seconds(60)));
   learner->Signal(SIGTERM);
   EXPECT_EQ(learner->Wait(), 0) << Log();
 }
@@ -213,7 +212,7 @@ TEST_F(LearnerProcessTest, WrongUsageIsExitCodeTwo) {
 TEST_F(LearnerProcessTest, ASecondLearnerOfTheClusterIsRefusedBeforeItTouchesTheRun) {
   StartShard();
   const auto first = Start();
-  ASSERT_TRUE(Eventually([&] { return newest_ >= 1; }, 60.0)) << Log();
+  ASSERT_TRUE(Eventually([&] { return newest_ >= 1; }, std::chrono::seconds(60))) << Log();
   const auto other_log = folder_.path() / "second.log";
   Process second(
       {DADRL_BINARY_DIR "/bin/dadrl-learner", "--config", (folder_.path() / "config.yaml").string(),

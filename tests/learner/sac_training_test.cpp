@@ -5,7 +5,7 @@
 #include "common/model/acting_policy.h"
 #include "common/model/critic_values.h"
 #include "common/model/policy_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 #include "tests/learner/test_learner.h"
 
@@ -29,12 +29,12 @@ class SacTrainingTest : public testing::TestWithParam<EncoderSharing> {
   }
 
   Config config_;
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_P(SacTrainingTest, ResumedTrainingEqualsAnUninterruptedOneBitForBit) {
   constexpr int kUpdates = 4;
-  TemporaryDirectory other;
+  TemporaryFolder other;
   TestLearner whole(config_, other.path(), false, 0, Sac());
   whole.Steps(2 * kUpdates);
   {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/model/policy_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 #include "tests/learner/fake_algorithm.h"
 #include "tests/learner/test_learner.h"
 
@@ -18,12 +18,12 @@ using testing::HasSubstr;
 class TrainerTest : public testing::Test {
  protected:
   Config config_;
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(TrainerTest, ResumedTrainingEqualsAnUninterruptedOneBitForBit) {
   constexpr int kUpdates = 25;
-  TemporaryDirectory other;
+  TemporaryFolder other;
   TestLearner whole(config_, other.path(), false);
   whole.Steps(2 * kUpdates);
   {

@@ -12,7 +12,7 @@
 #include "common/io/byte_io.h"
 #include "common/io/crc32c.h"
 #include "common/io/read_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
@@ -107,7 +107,7 @@ std::vector<Event> ReadEvents(const std::filesystem::path& path) {
 }
 
 TEST(TensorBoardWriter, WritesRecordsThatAReaderOfTheFormatUnderstands) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   auto writer = TensorBoardWriter::Create(folder.path() / "tensorboard");
   ASSERT_TRUE(writer) << writer.error().message;
   const std::vector<TaggedScalar> scalars = {
@@ -125,14 +125,14 @@ TEST(TensorBoardWriter, WritesRecordsThatAReaderOfTheFormatUnderstands) {
 }
 
 TEST(TensorBoardWriter, NameIsOneThatTensorBoardLooksFor) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto writer = TensorBoardWriter::Create(folder.path());
   ASSERT_TRUE(writer);
   EXPECT_THAT(writer->path().filename().string(), testing::StartsWith("events.out.tfevents."));
 }
 
 TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "logs" / "table.csv";
   ASSERT_TRUE(CsvLog::Open(path, {"a", "b"})->Append(std::vector{1.0, 2.5}));
   std::ofstream(path, std::ios::app) << "3,";  // killed here
@@ -142,7 +142,7 @@ TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
 }
 
 TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "table.csv";
   ASSERT_TRUE(CsvLog::Open(path, {"a"})->Append(std::vector{1.0}));
   ASSERT_TRUE(CsvLog::Open(path, {"a", "b"}));
@@ -151,7 +151,7 @@ TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
 }
 
 TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   auto log = TrainingLog::Open(folder.path());
   ASSERT_TRUE(log) << log.error().message;
   TrainingInterval interval;

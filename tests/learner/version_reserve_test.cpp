@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "common/io/atomic_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
 
 TEST(VersionReserve, AProcessThatIsKilledNeverUsesAVersionTwice) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   uint32_t used = 0;
   for (int restart = 0; restart < 5; ++restart) {
     VersionReserve reserve = VersionReserve::Open(folder.path()).value();
@@ -26,7 +26,7 @@ TEST(VersionReserve, AProcessThatIsKilledNeverUsesAVersionTwice) {
 }
 
 TEST(VersionReserve, GarbageIsCorruptWithTheRemedy) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "weights_version", "12x\n"));
   const auto reserve = VersionReserve::Open(folder.path());
   ASSERT_FALSE(reserve);

@@ -8,13 +8,12 @@
 #include "common/io/checksum.h"
 #include "learner/heartbeat.h"
 #include "tests/common/dds/dds_fixture.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
 
 using namespace std::chrono_literals;
-using dds::Eventually;
 
 struct Received {
   uint32_t version = 0;
@@ -54,7 +53,7 @@ class WeightPublisherTest : public testing::Test {
     return found;
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
   const ClusterConfig cluster_ = dds::LoopbackCluster();
   std::unique_ptr<dds::Node> learner_ = dds::MakeNode(cluster_, dds::Role::kLearner);
   std::unique_ptr<dds::Node> actor_ = dds::MakeNode(cluster_, dds::Role::kActor);

@@ -20,7 +20,7 @@ struct ToolOutput {
 };
 
 inline ToolOutput RunShell(const std::string& command) {
-  const TemporaryFolder folder;
+  const MemoryFolder folder;
   const std::string err = (folder.path() / "err").string();
   ToolOutput result;
   std::FILE* pipe = popen((command + " 2>" + err).c_str(), "r");

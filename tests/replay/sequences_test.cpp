@@ -133,7 +133,7 @@ TEST_F(SequencesTest, AReplayTooSmallForOneSaysSoOnce) {
   std::ostringstream log;
   const auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(log);
   spdlog::default_logger()->sinks().push_back(sink);
-  TemporaryFolder folder;
+  MemoryFolder folder;
   TableOptions options{
       .directory = folder.path(), .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
   options.replay.segment_bytes = 4096;

@@ -60,7 +60,7 @@ class SnapshotTest : public testing::Test {
   }
 
   SystemClock clock_;
-  TemporaryFolder folder_;
+  MemoryFolder folder_;
   TableOptions options_;
 };
 

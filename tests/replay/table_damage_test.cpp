@@ -42,7 +42,7 @@ TEST_F(TableDamage, TruncatedAtAnyByteItHoldsTheWholeChunksAndGoesOn) {
   std::ifstream file(path, std::ios::binary);
   const std::string whole(std::istreambuf_iterator<char>(file), {});
   for (size_t length = 0; length <= whole.size(); length += 1) {
-    TemporaryFolder folder;
+    MemoryFolder folder;
     std::ofstream(folder.path() / path.filename(), std::ios::binary) << whole.substr(0, length);
     auto table = Open(Options(folder.path()));
     const uint64_t stored = table->Stored(1, 7).value_or(0);

@@ -61,7 +61,7 @@ class TableRecovery : public testing::Test {
   }
 
   SystemClock clock_;
-  TemporaryFolder folder_;
+  MemoryFolder folder_;
 };
 
 }  // namespace dadrl

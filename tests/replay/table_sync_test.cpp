@@ -62,7 +62,7 @@ class TableSync : public testing::Test {
   std::set<std::string> Forced() const { return {disk_.forced.begin(), disk_.forced.end()}; }
 
   SystemClock clock_;
-  TemporaryFolder folder_;
+  MemoryFolder folder_;
   TestDisk disk_;
   uint64_t stored_ = 0;
 };

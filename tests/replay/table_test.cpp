@@ -144,7 +144,7 @@ TEST(ReplayTable, TheSameSeedDrawsTheSameItems) {
 
 TEST(ReplayTable, DiskStaysWithinItsBoundAndTheNewestStay) {
   SystemClock clock;
-  TemporaryFolder folder;
+  MemoryFolder folder;
   TableOptions options = Options(folder.path());
   options.replay.max_disk_bytes = 100000;
   auto table = ReplayTable::Open(options, clock).value();
@@ -198,7 +198,7 @@ TEST(ReplayTable, AChunkLargerThanTheDiskBoundIsRefusedAndTheRestGoesOn) {
 
 TEST(ReplayTable, SamplesWhileInsertsAndDropsGoOn) {
   SystemClock clock;
-  TemporaryFolder folder;
+  MemoryFolder folder;
   TableOptions options = Options(folder.path());
   options.replay.max_disk_bytes = 100000;
   options.replay.sampler = SamplerKind::kPrioritized;

@@ -1,8 +1,6 @@
 // Small chunks whose every frame can be told from every other.
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include "common/util/random.h"
 #include "proto/experience.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 
@@ -55,24 +54,5 @@ inline float Decode(std::span<const std::byte> payload) {
   if (!codec.Decode(payload, observation.vehicles, observation.ego, observation.context)) return -1.0f;
   return observation.ego[1];
 }
-
-// A folder that is gone after the test. In memory where the host has such a place: some tests restart a
-// replay thousands of times, and each forces files to the device.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const bool memory = access("/dev/shm", W_OK) == 0;
-    const auto parent = memory ? "/dev/shm" : std::filesystem::temp_directory_path();
-    std::string name = (parent / "dadrl-replay-XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace dadrl

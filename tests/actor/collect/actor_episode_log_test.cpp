@@ -6,16 +6,13 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/common/io/temporary_folder.h"
+
 namespace dadrl {
 namespace {
 
 class ActorEpisodeLogTest : public ::testing::Test {
  protected:
-  ~ActorEpisodeLogTest() override { std::filesystem::remove_all(root_); }
-  static std::filesystem::path MakeRoot() {
-    std::string name = std::filesystem::temp_directory_path() / "actor_episode_log_XXXXXX";
-    return ::mkdtemp(name.data());
-  }
   std::vector<std::string> Lines() const {
     std::ifstream file(path_);
     std::vector<std::string> lines;
@@ -31,8 +28,8 @@ class ActorEpisodeLogTest : public ::testing::Test {
     return episode;
   }
 
-  const std::filesystem::path root_ = MakeRoot();
-  const std::filesystem::path path_ = root_ / "logs" / "episodes-actor-3.csv";
+  const TemporaryFolder root_;
+  const std::filesystem::path path_ = root_.path() / "logs" / "episodes-actor-3.csv";
 };
 
 TEST_F(ActorEpisodeLogTest, WritesARowForAnEpisodeUnderAHeader) {
@@ -56,7 +53,7 @@ TEST_F(ActorEpisodeLogTest, GoesOnBehindTheLastWholeRow) {
 }
 
 TEST_F(ActorEpisodeLogTest, NamesTheFileThatCannotBeWritten) {
-  std::ofstream(root_ / "logs") << "a file where the folder should be";
+  std::ofstream(root_.path() / "logs") << "a file where the folder should be";
   const auto log = ActorEpisodeLog::Open(path_);
   ASSERT_FALSE(log);
   EXPECT_NE(log.error().message.find("episodes-actor-3.csv"), std::string::npos);

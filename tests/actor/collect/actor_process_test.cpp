@@ -15,6 +15,7 @@
 #include "proto/evaluation/episode_line.h"
 #include "proto/telemetry.h"
 #include "tests/actor/experience/replay_peer.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
@@ -60,15 +61,11 @@ class Program {
 class ActorProcessTest : public ::testing::Test {
  protected:
   ActorProcessTest() {
-    std::string name = std::filesystem::temp_directory_path() / "actor_process_XXXXXX";
-    root_ = ::mkdtemp(name.data());
     config_.cluster.port = dds::FindFreePort().value();
     config_.actor.chunk_frames = 8;
     config_.telemetry.interval_s = 0.1;
     SaveConfig();
   }
-  ~ActorProcessTest() override { std::filesystem::remove_all(root_); }
-
   void SaveConfig() { std::ofstream(root_ / "config.yaml") << ToYaml(config_, false); }
   std::vector<std::string> Arguments() const {
     return {"collect", "--config", root_ / "config.yaml", "--run-dir", root_, "--index", "0"};
@@ -98,7 +95,8 @@ class ActorProcessTest : public ::testing::Test {
     ASSERT_TRUE(weights_->Write(message));
   }
 
-  std::filesystem::path root_;
+  const TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.path();
   Config config_;
   ReplayDisk disk_;
   std::unique_ptr<dds::Node> learner_;
@@ -113,9 +111,10 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   ReplayPeer replay(config_.cluster, disk_, 1000);
   auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
   Program actor = Start();
-  ASSERT_TRUE(Eventually([&] { return disk_.stored() >= 10; }, 90)) << Read(Log());
+  ASSERT_TRUE(Eventually([&] { return disk_.stored() >= 10; }, std::chrono::seconds(90))) << Read(Log());
   PublishPolicy(1);
-  ASSERT_TRUE(Eventually([&] { return replay.newest_policy_version() == 1; }, 90)) << Read(Log());
+  ASSERT_TRUE(Eventually([&] { return replay.newest_policy_version() == 1; }, std::chrono::seconds(90)))
+      << Read(Log());
   if (telemetry) {
     ProcessStatus last;
     EXPECT_TRUE(Eventually([&] {
@@ -140,11 +139,13 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
 TEST_F(ActorProcessTest, GoesOnAfterTheReplayWasAway) {
   Program actor = Start();
   EXPECT_TRUE(Eventually(
-      [&] { return Read(Log()).find("waiting for the replay at 127.0.0.1:") != std::string::npos; }, 90));
+      [&] { return Read(Log()).find("waiting for the replay at 127.0.0.1:") != std::string::npos; },
+      std::chrono::seconds(90)));
   for (int round = 1; round <= 2; ++round) {
     ReplayPeer replay(config_.cluster, disk_, 1000);
     const uint64_t before = disk_.stored();
-    EXPECT_TRUE(Eventually([&] { return disk_.stored() >= before + 5; }, 90)) << Read(Log());
+    EXPECT_TRUE(Eventually([&] { return disk_.stored() >= before + 5; }, std::chrono::seconds(90)))
+        << Read(Log());
   }
   actor.Kill();
 }
@@ -159,7 +160,7 @@ TEST_F(ActorProcessTest, ARestartedActorDrivesOtherTraffic) {
   for (int start = 1; start <= 2; ++start) {
     const auto before = std::max<std::ptrdiff_t>(rows(), 0);  // the first may have driven several
     Program actor = Start();
-    EXPECT_TRUE(Eventually([&] { return rows() > before; }, 90)) << Read(Log());
+    EXPECT_TRUE(Eventually([&] { return rows() > before; }, std::chrono::seconds(90))) << Read(Log());
     actor.Kill();
   }
   std::set<std::string> seeds;

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -17,17 +15,9 @@
 #include "common/util/mutex.h"
 #include "proto/experience.h"
 #include "proto/topics.h"
+#include "tests/common/util/eventually.h"
 
 namespace dadrl {
-
-inline bool Eventually(const std::function<bool()>& condition, double limit_s = 30.0) {
-  SystemClock clock;
-  for (const TimePoint end = clock.Now() + FromSeconds(limit_s); clock.Now() < end;) {
-    if (condition()) return true;
-    clock.SleepFor(std::chrono::milliseconds(2));
-  }
-  return condition();
-}
 
 // What outlives a replay process: its disk. Stores each sequence of one actor incarnation exactly once, in
 // order.

@@ -3,14 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
 #include "dds_test_types.h"
+#include "tests/common/util/eventually.h"
 
 namespace dadrl::dds {
 
@@ -25,16 +24,6 @@ inline std::unique_ptr<Node> MakeNode(const ClusterConfig& cluster, Role role, i
   auto node = Node::Create(cluster, 1, role, index);
   EXPECT_TRUE(node) << node.error().message;
   return node ? std::move(*node) : nullptr;
-}
-
-// Polls until `condition` holds; false after `limit`, which is generous: machines are busy.
-inline bool Eventually(const std::function<bool()>& condition, double limit_s = 20.0) {
-  SystemClock clock;
-  for (const TimePoint end = clock.Now() + FromSeconds(limit_s); clock.Now() < end;) {
-    if (condition()) return true;
-    clock.SleepFor(std::chrono::milliseconds(2));
-  }
-  return condition();
 }
 
 inline dds_test_Blob MakeBlob(uint32_t number, std::vector<uint8_t>& bytes) {

@@ -9,6 +9,7 @@
 #include "common/dds/address.h"
 #include "common/dds/udp_socket.h"
 #include "tests/common/dds/dds_fixture.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl::dds {
 namespace {
@@ -117,12 +118,11 @@ TEST(Node, IsNotBrokenByCycloneddsUri) {
 
 TEST(Node, LeavesNoTraceFileBehind) {
   const auto before = std::filesystem::current_path();
-  std::string folder = std::filesystem::temp_directory_path() / "node_test_XXXXXX";
-  std::filesystem::current_path(::mkdtemp(folder.data()));
+  const TemporaryFolder folder;
+  std::filesystem::current_path(folder.path());
   MakeNode(LoopbackCluster(), Role::kReplay);
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   std::filesystem::current_path(before);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Node, TakesASmallerReceiveBufferThanItAskedFor) {

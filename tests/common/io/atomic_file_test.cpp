@@ -13,7 +13,7 @@
 
 #include "common/io/io_error.h"
 #include "common/io/read_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
@@ -27,7 +27,7 @@ int FilesIn(const std::filesystem::path& directory) {
 }
 
 TEST(AtomicFile, ReplacesTheEarlierFileOnlyAtCommit) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "file";
   ASSERT_TRUE(WriteFileAtomically(path, "before"));
   auto file = AtomicFile::Create(path);
@@ -40,7 +40,7 @@ TEST(AtomicFile, ReplacesTheEarlierFileOnlyAtCommit) {
 }
 
 TEST(AtomicFile, LeavesNothingBehindWhenAbandoned) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   {
     auto file = AtomicFile::Create(folder.path() / "file");
     ASSERT_TRUE(file);
@@ -50,7 +50,7 @@ TEST(AtomicFile, LeavesNothingBehindWhenAbandoned) {
 }
 
 TEST(AtomicFile, MissingFolderIsNotFoundAndNamed) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "absent" / "file";
   const Status status = WriteFileAtomically(path, "x");
   ASSERT_FALSE(status);
@@ -70,7 +70,7 @@ TEST(AtomicFile, FullDeviceIsExhaustedWithTheRemedy) {
 
 // The limit on file size fails a write in the middle, as a full disk does.
 TEST(AtomicFile, WriteThatFailsInTheMiddleKeepsTheEarlierFile) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "file";
   ASSERT_TRUE(WriteFileAtomically(path, "before"));
   const pid_t child = fork();
@@ -91,7 +91,7 @@ TEST(AtomicFile, WriteThatFailsInTheMiddleKeepsTheEarlierFile) {
 
 // A child writes versions without pause and is killed at points that differ from round to round.
 TEST(AtomicFile, KilledWriterLeavesAWholeFile) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "file";
   constexpr size_t kSize = 200000;
   ASSERT_TRUE(WriteFileAtomically(path, std::string(kSize, 'a')));
@@ -123,7 +123,7 @@ TEST(AtomicFile, KilledWriterLeavesAWholeFile) {
 }
 
 TEST(AtomicFile, LinkFollowsTheNewestTarget) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "one", "1"));
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "two", "2"));
   ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "one"));
@@ -134,7 +134,7 @@ TEST(AtomicFile, LinkFollowsTheNewestTarget) {
 }
 
 TEST(AppendWhole, FailedAppendLeavesTheFileAsItWas) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   const auto path = folder.path() / "table";
   ASSERT_TRUE(WriteFileAtomically(path, "row\n"));
   const pid_t child = fork();
@@ -155,7 +155,7 @@ TEST(AppendWhole, FailedAppendLeavesTheFileAsItWas) {
 }
 
 TEST(ReadFile, MissingFileIsNotFoundAndTooLongIsRefused) {
-  TemporaryDirectory folder;
+  TemporaryFolder folder;
   EXPECT_EQ(ReadFile(folder.path() / "absent", kNoLimit).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "file", "12345"));
   EXPECT_EQ(ReadFile(folder.path() / "file", 4).error().code, ErrorCode::kExhausted);

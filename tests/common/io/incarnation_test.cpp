@@ -2,19 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
 
 TEST(NextIncarnation, IsTheTimeOfTheStart) {
-  TemporaryDirectory run;
+  TemporaryFolder run;
   EXPECT_EQ(NextIncarnation(run.path(), "actor-0", 1000), 1000u);
   EXPECT_EQ(NextIncarnation(run.path(), "actor-0", 2000), 2000u);
 }
 
 TEST(NextIncarnation, GrowsAlsoWhenTheClockWasSetBack) {
-  TemporaryDirectory run;
+  TemporaryFolder run;
   EXPECT_EQ(NextIncarnation(run.path(), "actor-0", 2000), 2000u);
   EXPECT_EQ(NextIncarnation(run.path(), "actor-0", 1000), 2001u);
   EXPECT_EQ(NextIncarnation(run.path(), "actor-0", 1000), 2002u);
@@ -22,7 +22,7 @@ TEST(NextIncarnation, GrowsAlsoWhenTheClockWasSetBack) {
 }
 
 TEST(NextIncarnation, WithoutWhatWasKeptTheClockCounts) {
-  TemporaryDirectory run;
+  TemporaryFolder run;
   std::filesystem::create_directories(run.path() / "incarnations");
   std::ofstream(run.path() / "incarnations" / "learner") << "no number";
   EXPECT_EQ(NextIncarnation(run.path(), "learner", 1000), 1000u);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/io/read_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
@@ -29,7 +29,7 @@ class NpyTest : public testing::Test {
     return array ? Error{} : array.error();
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "a.npy";
 };
 

@@ -9,7 +9,7 @@
 #include "common/config/config_yaml.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
-#include "tests/common/io/temporary_directory.h"
+#include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
 namespace {
@@ -33,7 +33,7 @@ class PolicyFileTest : public testing::Test {
     std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
   }
 
-  TemporaryDirectory folder_;
+  TemporaryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "policy-900.dadrl";
   Config config_;
   std::vector<float> parameters_ = {0.5f, -1.25f, 3e-20f, 1e20f};

@@ -6,6 +6,8 @@
 
 #include <filesystem>
 
+#include "tests/common/io/temporary_folder.h"
+
 namespace dadrl {
 namespace {
 
@@ -19,13 +21,6 @@ Config TinyTraining(uint64_t seed) {
   config.learner.publish_interval_s = 10 * kLockstepUpdateSeconds;
   config.model.hidden = 64;
   return config;
-}
-
-fs::path FreshDirectory(const std::string& name) {
-  const fs::path directory = fs::temp_directory_path() / fmt::format("lockstep_test_{}_{}", getpid(), name);
-  fs::remove_all(directory);
-  fs::create_directories(directory);
-  return directory;
 }
 
 // A process holds one simulation, so each training gets a process of its own.
@@ -50,9 +45,9 @@ Result<LockstepResult> TrainInChild(const Config& config, const fs::path& direct
 }
 
 TEST(Lockstep, SameSeedGivesTheSameWeightsBitForBit) {
-  const auto first = TrainInChild(TinyTraining(5), FreshDirectory("first"));
-  const auto second = TrainInChild(TinyTraining(5), FreshDirectory("second"));
-  const auto other = TrainInChild(TinyTraining(6), FreshDirectory("other"));
+  const auto first = TrainInChild(TinyTraining(5), TemporaryFolder().path());
+  const auto second = TrainInChild(TinyTraining(5), TemporaryFolder().path());
+  const auto other = TrainInChild(TinyTraining(6), TemporaryFolder().path());
   ASSERT_TRUE(first && second && other);
   EXPECT_EQ(first->updates, 60u);
   EXPECT_GT(first->episodes, 0u);
@@ -64,9 +59,9 @@ TEST(Lockstep, SameSeedGivesTheSameWeightsBitForBit) {
 TEST(Lockstep, OnAllScenariosToo) {
   Config config = TinyTraining(5);
   config.scenario = "all";
-  const auto first = TrainInChild(config, FreshDirectory("all"));
-  const auto second = TrainInChild(config, FreshDirectory("all_again"));
-  const auto one = TrainInChild(TinyTraining(5), FreshDirectory("one"));
+  const auto first = TrainInChild(config, TemporaryFolder().path());
+  const auto second = TrainInChild(config, TemporaryFolder().path());
+  const auto one = TrainInChild(TinyTraining(5), TemporaryFolder().path());
   ASSERT_TRUE(first && second && one);
   EXPECT_EQ(first->policy_hash, second->policy_hash);
   EXPECT_NE(first->policy_hash, one->policy_hash);
@@ -76,16 +71,16 @@ TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
   Config config = TinyTraining(1);
   config.learner.max_updates = 0;
   const std::atomic<bool> stop{false};
-  const auto result = TrainInLockstep(config, FreshDirectory("endless"), stop);
+  const auto result = TrainInLockstep(config, TemporaryFolder().path(), stop);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(Lockstep, RefusesARunThatHasCheckpoints) {
-  const fs::path directory = FreshDirectory("used");
-  ASSERT_TRUE(TrainInChild(TinyTraining(2), directory));
+  const TemporaryFolder folder;
+  ASSERT_TRUE(TrainInChild(TinyTraining(2), folder.path()));
   const std::atomic<bool> stop{false};
-  const auto again = TrainInLockstep(TinyTraining(2), directory, stop);
+  const auto again = TrainInLockstep(TinyTraining(2), folder.path(), stop);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::kInvalidArgument);
 }

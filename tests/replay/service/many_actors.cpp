@@ -45,6 +45,6 @@ int main(int argc, char** argv) {
         }
         return all;
       },
-      120.0);
+      std::chrono::seconds(120));
   return done ? 0 : 1;
 }

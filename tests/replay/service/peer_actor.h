@@ -1,7 +1,6 @@
 // An actor as small as it can be, over real DDS.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -9,19 +8,10 @@
 #include "common/dds/node.h"
 #include "common/util/clock.h"
 #include "proto/topics.h"
+#include "tests/common/util/eventually.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {
-
-// Polls until `condition` holds; false after `limit_s`, which is generous: machines are busy.
-inline bool Eventually(const std::function<bool()>& condition, double limit_s = 30.0) {
-  SystemClock clock;
-  for (const TimePoint end = clock.Now() + FromSeconds(limit_s); clock.Now() < end;) {
-    if (condition()) return true;
-    clock.SleepFor(std::chrono::milliseconds(1));
-  }
-  return condition();
-}
 
 // Keeps chunks 1, 2, 3, ... until they are acknowledged, and sends them in order as far as it is granted;
 // from the first unacknowledged again when the replay is another one or has been silent for a while.
@@ -67,7 +57,7 @@ class PeerActor {
     return chunks_->Write(message).has_value();
   }
   bool PumpUntilStored(uint64_t sequence, double limit_s = 30.0) {
-    return Eventually([&] { return Pump(), stored_ >= sequence; }, limit_s);
+    return Eventually([&] { return Pump(), stored_ >= sequence; }, std::chrono::duration<double>(limit_s));
   }
   bool connected() const { return chunks_->matched() > 0 && acknowledgements_->matched() > 0; }
   uint32_t id() const { return id_; }

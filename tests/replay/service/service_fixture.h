@@ -62,7 +62,7 @@ class ReplayServiceTest : public testing::Test {
     return counts;
   }
 
-  TemporaryFolder folder_;
+  MemoryFolder folder_;
   Config config_;
   std::unique_ptr<ReplayProcess> replay_;
   std::unique_ptr<dds::Node> actor_node_;

@@ -64,7 +64,7 @@ class SegmentFile : public testing::Test {
     file << bytes;
   }
 
-  TemporaryFolder folder_;
+  MemoryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "segment";
   std::vector<std::vector<std::byte>> records_;
   std::vector<uint64_t> ends_;
@@ -139,7 +139,7 @@ int AppendBeyondTheRoom(const std::filesystem::path& path) {
 }
 
 TEST(Segment, ARecordThatDoesNotFitOntoTheDiskLeavesNothing) {
-  const TemporaryFolder folder;
+  const MemoryFolder folder;
   const auto path = folder.path() / "segment";
   ASSERT_EQ(AppendBeyondTheRoom(path), 0);
   const Contents contents = Read(path);
@@ -148,7 +148,7 @@ TEST(Segment, ARecordThatDoesNotFitOntoTheDiskLeavesNothing) {
 }
 
 TEST(Segment, ReadersKeepWhatTheyHoldAfterTheFileIsGone) {
-  TemporaryFolder folder;
+  MemoryFolder folder;
   std::span<const std::byte> stored;
   std::shared_ptr<const Segment> held;
   const auto record = Record(1);
@@ -164,7 +164,7 @@ TEST(Segment, ReadersKeepWhatTheyHoldAfterTheFileIsGone) {
 }
 
 TEST(SegmentLog, ASecondProcessIsKeptOut) {
-  TemporaryFolder folder;
+  MemoryFolder folder;
   SegmentLog::Recovery recovery;
   const auto visit = [](const auto&, std::span<const std::byte>) { return true; };
   const auto first = SegmentLog::Open({folder.path(), kSchema}, visit, recovery);
@@ -176,7 +176,7 @@ TEST(SegmentLog, ASecondProcessIsKeptOut) {
 }
 
 TEST(SegmentLog, GoesOnInANewSegmentWithANewId) {
-  TemporaryFolder folder;
+  MemoryFolder folder;
   std::vector<uint64_t> ids;
   for (int run = 0; run < 3; ++run) {
     ids.clear();

@@ -11,7 +11,7 @@ namespace dadrl {
 namespace {
 
 TEST(StateFile, ComesBackAsItWasWritten) {
-  TemporaryFolder folder;
+  MemoryFolder folder;
   ReplayState state{.schema = 5, .up_to = {7, 70}, .limiter = {10, 20, 1.5, 2.5}};
   state.sequences.Accept({3, 4, 5});
   state.limiter_change = {{.min_size = 1}, {.min_size = 2, .max_samples_per_insert = 3.0}};
@@ -43,7 +43,7 @@ TEST(StateFile, ComesBackAsItWasWritten) {
 }
 
 TEST(StateFile, DamageAndAbsenceAreToldApart) {
-  TemporaryFolder folder;
+  MemoryFolder folder;
   const auto file = folder.path() / "state";
   EXPECT_EQ(ReadReplayState(file).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(WriteReplayState(file, {}));
