@@ -1,8 +1,5 @@
-// `dadrl replay inspect | verify | export | import | restore` on real folders.
+// `dadrl replay inspect | verify | export | import` on real folders.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,70 +9,14 @@
 #include "common/io/checksum.h"
 #include "common/io/npy.h"
 #include "replay/storage/snapshot_folder.h"
-#include "replay/table.h"
-#include "tests/proto/synthetic_experience.h"
 #include "tests/replay/run_tool.h"
+#include "tests/replay/tools_fixture.h"
 
 namespace dadrl {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-const ObservationSpec kSpec;
-
-class ToolsTest : public testing::Test {
- protected:
-  ToolsTest() : run_(folder_.path() / "run"), shard_(run_ / "replay" / "shard-0") {}
-
-  std::unique_ptr<ReplayTable> OpenTable() {
-    TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}, .n_step = 1};
-    options.replay.segment_bytes = 1 << 16;
-    return std::move(*ReplayTable::Open(options, clock_));
-  }
-  // Two actors: one terminates each episode, one is truncated in a chunk of its own; the last episode is
-  // open.
-  void Store(int rounds, FloatCoding floats = FloatCoding::kFloat16) {
-    const auto table = OpenTable();
-    for (int i = 0; i < rounds; ++i) Round(*table, floats);
-    ASSERT_TRUE(table->Insert(MakeSyntheticChunk(kSpec, {.identity = {1, 5, sequence_ + 1},
-                                                         .episode = sequence_ + 1,
-                                                         .frames = 3,
-                                                         .policy_version = 9,
-                                                         .floats = floats})));
-    ASSERT_TRUE(table->SaveState());
-  }
-  void Round(ReplayTable& table, FloatCoding floats) {
-    ++sequence_;
-    ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {1, 5, sequence_},
-                                                        .episode = sequence_,
-                                                        .frames = 20,
-                                                        .end = kTerminated,
-                                                        .policy_version = 2,
-                                                        .floats = floats})));
-    ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {2, 6, sequence_},
-                                                        .episode = sequence_,
-                                                        .frames = 10,
-                                                        .end = kTruncated,
-                                                        .final_frame = true,
-                                                        .policy_version = 3,
-                                                        .floats = floats})));
-  }
-  fs::path FirstSegment() const {
-    std::vector<fs::path> segments;
-    for (const auto& entry : fs::directory_iterator(shard_)) {
-      if (entry.path().extension() == ".log") segments.push_back(entry.path());
-    }
-    return *std::min_element(segments.begin(), segments.end());
-  }
-  std::string At(const char* name) const { return (folder_.path() / name).string(); }
-
-  SystemClock clock_;
-  TemporaryFolder folder_;
-  fs::path run_;
-  fs::path shard_;
-  uint64_t sequence_ = 0;
-};
 
 std::string FileBytes(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -280,79 +221,6 @@ TEST_F(ToolsTest, NothingIsOverwritten) {
   const ToolOutput onto = RunTool({"import", (run_ / "replay").string(), "--from", At("arrays")});
   EXPECT_EQ(onto.exit_code, 2);
   EXPECT_THAT(onto.err, HasSubstr("not empty"));
-}
-
-TEST_F(ToolsTest, RestorePutsASnapshotInPlaceOfAStoppedReplay) {
-  {
-    const auto table = OpenTable();
-    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
-    ASSERT_TRUE(table->Snapshot(SnapshotFolder(run_, 0) / "good"));
-    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
-    const ToolOutput busy = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
-    EXPECT_EQ(busy.exit_code, 1);
-    EXPECT_THAT(busy.err, HasSubstr("in use"));
-    EXPECT_EQ(table->stats().frames_held, 600u);
-  }
-  const ToolOutput restored = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
-  ASSERT_EQ(restored.exit_code, 0) << restored.err;
-  EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
-  EXPECT_EQ(nlohmann::json::parse(
-                RunTool({"inspect", (run_ / "replay.replaced").string(), "--json"}).out)["transitions"],
-            600);
-  EXPECT_EQ(RunTool({"verify", (SnapshotFolder(run_, 0) / "good").string()}).exit_code, 0);
-  const ToolOutput unknown = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "bad"});
-  EXPECT_EQ(unknown.exit_code, 1);
-  EXPECT_THAT(unknown.err, HasSubstr("no snapshot"));
-}
-
-TEST_F(ToolsTest, ARestoreThatWasKilledHalfWayCanBeRepeated) {
-  {
-    const auto table = OpenTable();
-    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
-    ASSERT_TRUE(table->Snapshot(SnapshotFolder(run_, 0) / "good"));
-    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
-  }
-  // What is there between the two renames.
-  fs::copy(run_ / "snapshots", run_ / "replay.restored", fs::copy_options::recursive);
-  fs::rename(run_ / "replay", run_ / "replay.replaced");
-  const ToolOutput restored = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
-  ASSERT_EQ(restored.exit_code, 0) << restored.err;
-  EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
-  const ToolOutput replaced = RunTool({"inspect", (run_ / "replay.replaced").string(), "--json"});
-  EXPECT_EQ(nlohmann::json::parse(replaced.out)["transitions"], 600);
-}
-
-TEST_F(ToolsTest, OldAutomaticSnapshotsGoAndNamedOnesStay) {
-  for (const char* name : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z", "mine"}) {
-    fs::create_directories(folder_.path() / name);
-  }
-  ASSERT_TRUE(RemoveOldSnapshots(folder_.path(), 2));
-  EXPECT_FALSE(fs::exists(At("20260101T000000Z")));
-  EXPECT_TRUE(fs::exists(At("20260102T000000Z")));
-  EXPECT_TRUE(fs::exists(At("20260103T000000Z")));
-  EXPECT_TRUE(fs::exists(At("mine")));
-  EXPECT_EQ(AutomaticSnapshotName(0), "19700101T000000Z");
-}
-
-TEST_F(ToolsTest, ASnapshotThatCannotBeRemovedWholeIsNoneAnyMore) {
-  const fs::path old = folder_.path() / "20260101T000000Z";
-  fs::create_directories(old / "folder");
-  std::ofstream(old / "state") << "of it";
-  rlimit files{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
-  const int next = dup(STDIN_FILENO);
-  close(next);
-  // Enough for a folder, not for one within it.
-  const rlimit few{static_cast<rlim_t>(next) + 1, files.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
-  const Status removed = RemoveOldSnapshots(folder_.path(), 0);
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &files), 0);
-  ASSERT_FALSE(removed);
-  EXPECT_THAT(removed.error().message, HasSubstr(PartialSnapshot(old).string()));
-  EXPECT_FALSE(fs::exists(old));
-  EXPECT_TRUE(fs::exists(PartialSnapshot(old)));
-  ASSERT_TRUE(RemovePartialSnapshots(folder_.path()));
-  EXPECT_FALSE(fs::exists(PartialSnapshot(old)));
 }
 
 TEST_F(ToolsTest, WrongUsageIsOneLine) {
