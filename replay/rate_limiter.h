@@ -39,7 +39,7 @@ class RateLimiter {
 
   explicit RateLimiter(const Options& options) : options_(options) {}
 
-  // New bounds from now on; credit and debt are clamped to the new band.
+  // New bounds from now on. Credit is cut to the new band; debt has still to be paid.
   void Reconfigure(const Options& options);
 
   // May `count` transitions be sampled now, of `size` sampleable items? A request larger than the
