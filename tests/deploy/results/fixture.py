@@ -26,7 +26,7 @@ def report(success, scenario="left_turn", episodes=250, **more):
 
 class ResultsTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryFolder()
+        folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
