@@ -70,8 +70,12 @@ void BatchServer::Work(const std::atomic<bool>& stop) {
 }
 
 std::optional<BatchServer::Drawn> BatchServer::Lead() {
-  TakeRequests();
-  TakePriorities();
+  // While there is enough to do, what came since can wait: several at once cost little more than one.
+  if (pending_.size() < kFewPending || waited_) {
+    TakeRequests();
+    TakePriorities();
+  }
+  waited_ = false;
   // Before the last look, so that an insert after it wakes us.
   waiting_.store(!pending_.empty());
   bool held = false;
@@ -90,6 +94,7 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
   }
   ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
   endpoints_.requests->Wait(kWait);
+  waited_ = true;
   waiting_.store(false);
   return std::nullopt;
 }

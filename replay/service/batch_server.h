@@ -30,6 +30,7 @@ class BatchServer {
   // One sends while the other prepares: DDS takes as long for a batch as the table.
   static constexpr int kThreads = 2;
   static constexpr size_t kMaxPending = 64;
+  static constexpr size_t kFewPending = 8;  // then it looks for more
   static constexpr uint32_t kMaxBatch = 65536;
 
   struct Statistics {
@@ -108,6 +109,7 @@ class BatchServer {
   Mutex lead_;
   uint64_t learner_ DADRL_GUARDED_BY(lead_) = 0;
   std::deque<Request> pending_ DADRL_GUARDED_BY(lead_);
+  bool waited_ DADRL_GUARDED_BY(lead_) = false;
   mutable Mutex serving_mutex_;
   std::vector<RequestId> serving_ DADRL_GUARDED_BY(serving_mutex_);  // drawn, not sent yet
   std::atomic<bool> waiting_{false};
