@@ -62,6 +62,15 @@ TEST_F(ReplayServiceTest, ARequestWaitsInsideUntilThereIsEnough) {
   EXPECT_FALSE(learner_->RepliesTo(number)[2].bytes.empty());
 }
 
+TEST_F(ReplayServiceTest, ItListensWhileManyRequestsWait) {
+  Launch();
+  std::vector<uint64_t> asked;
+  for (int i = 0; i < 16; ++i) asked.push_back(learner_->Ask(4));
+  ASSERT_TRUE(Eventually([&] { return learner_->RepliesTo(asked.back()).size() == 1; })) << replay_->Log();
+  learner_->Ask(4, asked.front());
+  EXPECT_TRUE(Eventually([&] { return learner_->RepliesTo(asked.front()).size() == 2; })) << replay_->Log();
+}
+
 TEST_F(ReplayServiceTest, EveryRequestIsAnsweredOnceBatchesLargeAndSmall) {
   config_.replay.max_times_sampled = 0;
   Launch();
