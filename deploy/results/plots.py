@@ -9,6 +9,7 @@ import runs  # noqa: E402
 import tables  # noqa: E402
 
 ABLATION = {"context_only": "SAC (context)", "context_free": "context-free", "dad_rl": "DAD-RL"}
+LINES = ("-", "--", ":")  # there are ten colours
 COLOURS = {"context_only": "#b0b0b0", "context_free": "#6b9ac4", "dad_rl": "#1f4e79"}
 plt.rcParams.update({"svg.hashsalt": "dadrl", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
 
@@ -57,10 +58,11 @@ def draw_curves(path, records):
              ("elapsed_s", 60.0, "minutes"))
     figure, panels = plt.subplots(1, 3, figsize=(11, 3.2), sharey=True)
     for number, (name, record) in enumerate(drawable.items()):
-        colour = f"C{number % 10}"
+        colour, style = f"C{number % 10}", LINES[number // 10 % len(LINES)]
         for axes, (key, scale, _) in zip(panels, units):
             axes.plot([point[key] / scale for point in record["curve"]],
-                      [100 * point["success"] for point in record["curve"]], color=colour, linewidth=1.2, label=name)
+                      [100 * point["success"] for point in record["curve"]], color=colour, linestyle=style,
+                      linewidth=1.2, label=name)
             marks = [point for point in record["evaluations"] if key in point]
             axes.plot([point[key] / scale for point in marks], [100 * point["success"] for point in marks],
                       "o", markersize=4, color=colour)
