@@ -234,10 +234,11 @@ void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
   if (!std::isfinite(priority) || priority < 0.0) return;
   StoredChunk* chunk = Find(key);
   const auto frame = static_cast<size_t>(key & ((uint64_t{1} << kFrameBits) - 1));
-  if (chunk == nullptr || frame >= chunk->slots().size() || !StoredChunk::IsItem(chunk->slots()[frame]))
-    return;
+  if (chunk == nullptr || frame >= chunk->slots().size()) return;
+  const uint32_t slot = chunk->slots()[frame];
+  if (!StoredChunk::IsItem(slot)) return;
   max_priority_ = std::max(max_priority_, priority);
-  SetPriority(chunk->slots()[frame], priority);
+  SetPriority(slot, priority);
 }
 
 void ChunkIndex::SetPriority(uint32_t slot, double priority) {
