@@ -23,10 +23,13 @@
 //  18 goal y    to the left of the ego now     / 50 m
 //  19 remaining fraction of the route, in [0, 1]
 //
-// Every value is clamped to +-5: inside the range and the resolution of half floats.
+// Every value is clamped to ObservationSpec::kFeatureBound: inside the range and the resolution of half
+// floats.
 #pragma once
 
 #include <algorithm>
+
+#include "common/model/observation.h"
 
 namespace dadrl::feature {
 
@@ -39,7 +42,7 @@ constexpr double kAcceleration = 5.0;
 constexpr double kJerk = 20.0;
 constexpr double kAngularAcceleration = 5.0;
 constexpr double kGoal = 50.0;
-constexpr double kBound = 5.0;
+constexpr double kBound = ObservationSpec::kFeatureBound;
 
 inline float Scaled(double value, double scale) {
   return static_cast<float>(std::clamp(value / scale, -kBound, kBound));

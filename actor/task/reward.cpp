@@ -1,8 +1,10 @@
 #include "actor/task/reward.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "actor/sim/world_state.h"
+#include "proto/experience_bounds.h"
 
 namespace dadrl {
 
@@ -13,6 +15,7 @@ void RewardFunction::Begin(double remaining) {
 
 double RewardFunction::SpeedTerm(double speed_mps, double limit, bool astray) const {
   if (limit <= 0.0) return 0.0;
+  limit = std::max(limit, kSlowestLimit);
   if (speed_mps > limit) return -weights_.speed * (speed_mps - limit) / limit;
   return astray ? 0.0 : weights_.speed * speed_mps / limit;
 }

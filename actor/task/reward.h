@@ -34,7 +34,8 @@ class RewardFunction {
   // `remaining`: fraction of the route at the start.
   void Begin(double remaining);
   // Once a step. Of the three ends only the first that holds counts: collision, off-road, goal. The speed
-  // term is 0 off the lanes (no limit there), and where the ego is off its route or against its lane.
+  // term is 0 off the lanes (no limit there), and where the ego is off its route or against its lane; a limit
+  // below kSlowestLimit counts as that much.
   RewardTerms Step(double speed_mps, const EgoLocation& location, const Events& events);
 
  private:

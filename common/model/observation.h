@@ -17,6 +17,7 @@ struct ObservationSpec {
   static constexpr int kContextPlanes = 2;    // drivable area, planned route
   static constexpr int kContextSize = 128;    // pixels a side
   static constexpr int kContextBytes = kContextPlanes * kContextSize * kContextSize / 8;
+  static constexpr float kFeatureBound = 5.0f;  // of every number of vehicles and ego, either side
 
   int vehicles = 6;
   int history = 5;

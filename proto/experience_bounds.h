@@ -1,0 +1,35 @@
+// What one frame of experience can hold: what is beyond these bounds was not made by this task. Import,
+// insert, recovery and the learner hold what comes from outside against them.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "common/config/config.h"
+#include "common/model/observation.h"
+
+namespace dadrl {
+
+// A lane's limit below it counts as this much in the reward, so that driving over a slow lane's limit costs a
+// bounded amount.
+constexpr double kSlowestLimit = 1.0;  // m/s
+
+struct ExperienceBounds {
+  double reward = 0.0;    // |reward| of a decision
+  double value = 0.0;     // |discounted sum of rewards| from any state on
+  double priority = 0.0;  // of an item: the error between two such values
+
+  // Of the tasks that these weights, speeds, intervals and discount make. Float rounding is allowed for.
+  static ExperienceBounds From(const Config& config);
+
+  // Not a NaN either.
+  bool AllowsReward(float r) const { return std::abs(r) <= reward; }
+  bool AllowsPriority(float p) const { return p >= 0.0f && p <= priority; }
+};
+
+// Finite and in [-1, 1].
+bool IsPossibleAction(const Action& action);
+// Vehicles or ego of an observation: finite and within what sensing clamps to.
+bool ArePossibleFeatures(std::span<const float> features);
+
+}  // namespace dadrl

@@ -1,0 +1,64 @@
+#include "proto/experience_bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace dadrl {
+namespace {
+
+TEST(ExperienceBounds, RewardIsTheSumOfTheLargestTerms) {
+  const ExperienceBounds bounds = ExperienceBounds::From(Config{});
+  // Goal 3, progress 2, three steps of speed 0.01 x 10 and twice 0.01 astray, slow 0.2.
+  EXPECT_NEAR(bounds.reward, 3.0 + 2.0 + 3 * (0.01 * 10 + 0.02) + 0.2, 1e-3);
+  EXPECT_TRUE(bounds.AllowsReward(-5.5f));
+  EXPECT_FALSE(bounds.AllowsReward(5.7f));
+  EXPECT_FALSE(bounds.AllowsReward(1e30f));
+  EXPECT_FALSE(bounds.AllowsReward(std::numeric_limits<float>::quiet_NaN()));
+}
+
+TEST(ExperienceBounds, FollowTheWeightsWhateverTheirSign) {
+  Config config;
+  config.task.reward = {.crash = -50,
+                        .off_road = 0,
+                        .goal = 1,
+                        .progress = -7,
+                        .speed = -2,
+                        .off_route = 1,
+                        .wrong_way = -1,
+                        .slow = -4};
+  config.task.decision_interval = 2;
+  config.task.max_speed_mps = 20;
+  EXPECT_NEAR(ExperienceBounds::From(config).reward, 50 + 7 + 2 * (2 * 20 + 2) + 4, 1e-2);
+}
+
+TEST(ExperienceBounds, ValueIsTheRewardForEverDiscounted) {
+  Config config;
+  config.algorithm.gamma = 0.99;
+  const ExperienceBounds bounds = ExperienceBounds::From(config);
+  EXPECT_NEAR(bounds.value, 100 * bounds.reward, 1e-3);
+  EXPECT_NEAR(bounds.priority, 200 * bounds.reward, 1e-3);
+  config.algorithm.gamma = 1.0;
+  EXPECT_TRUE(std::isfinite(ExperienceBounds::From(config).value));
+}
+
+TEST(ExperienceBounds, PrioritiesAreNeitherNegativeNorNoNumbers) {
+  const ExperienceBounds bounds = ExperienceBounds::From(Config{});
+  EXPECT_TRUE(bounds.AllowsPriority(0.0f));
+  EXPECT_FALSE(bounds.AllowsPriority(-1.0f));
+  EXPECT_FALSE(bounds.AllowsPriority(std::numeric_limits<float>::infinity()));
+  EXPECT_FALSE(bounds.AllowsPriority(std::numeric_limits<float>::quiet_NaN()));
+}
+
+TEST(ExperienceBounds, ActionsAndFeaturesOutsideTheirRangeAreImpossible) {
+  EXPECT_TRUE(IsPossibleAction({-1.0f, 1.0f}));
+  EXPECT_FALSE(IsPossibleAction({0.0f, 1.001f}));
+  EXPECT_FALSE(IsPossibleAction({std::numeric_limits<float>::quiet_NaN(), 0.0f}));
+  const float possible[] = {-5.0f, 0.0f, 5.0f};
+  EXPECT_TRUE(ArePossibleFeatures(possible));
+  const float impossible[] = {0.0f, 5.1f};
+  EXPECT_FALSE(ArePossibleFeatures(impossible));
+}
+
+}  // namespace
+}  // namespace dadrl
