@@ -89,6 +89,7 @@ std::vector<std::string> RenderPanel(const Progress& progress, size_t width) {
   std::vector<std::string> lines;
   lines.push_back(progress.title);
   lines.push_back(fmt::format("  time        {}  {}", Time(progress), progress.phase));
+  for (const std::string& fault : progress.faults) lines.push_back("  fault       " + fault);
   lines.push_back(fmt::format("  actors      {} alive, {:.0f} env steps/s, {} steps, {} episodes",
                               s.actors_alive, s.env_steps_per_s, Thousands(s.env_steps),
                               Thousands(s.episodes)));

@@ -18,7 +18,8 @@ struct Progress {
   ClusterSummary summary;
   std::string last_evaluation;  // empty: none yet
   std::string bottleneck;
-  bool show_processes = false;  // a line each, below
+  std::vector<std::string> faults;  // of single processes: "replay-0: silent for 3 s: stopped by a signal"
+  bool show_processes = false;      // a line each, below
 };
 
 // The panel, a line each, none wider than `width` columns.
