@@ -1,12 +1,13 @@
-// A table that grows by a row at a time and survives being killed.
+// A table of numbers that grows by a row at a time and survives being killed.
 #pragma once
 
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/io/file_descriptor.h"
+#include "common/io/row_file.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -18,14 +19,17 @@ class CsvLog {
   // that a killed process left is cut off; a table with other columns is renamed to *.old first.
   static Result<CsvLog> Open(const std::filesystem::path& path, const std::vector<std::string>& columns);
 
-  // As many values as there are columns; one that is not finite leaves its cell empty.
+  // As many values as there are columns; one that is not finite leaves its cell empty. Nine significant
+  // digits; thirteen from a million on, so that a time stamp keeps its milliseconds.
   Status Append(std::span<const double> values);
 
- private:
-  CsvLog(std::filesystem::path path, FileDescriptor file) : path_(std::move(path)), file_(std::move(file)) {}
+  // The first cell of the last row that was there when it was opened; 0: none, or not a number.
+  double last_row_start() const;
 
-  std::filesystem::path path_;
-  FileDescriptor file_;
+ private:
+  explicit CsvLog(RowFile rows) : rows_(std::move(rows)) {}
+
+  RowFile rows_;
 };
 
 }  // namespace dadrl

@@ -32,7 +32,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(folder));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, reserve.highest(), resume, *algorithm));
-  auto log = TrainingLog::Open(run_directory);
+  auto log = TrainingLog::Open(run_directory, progress.updates);
   if (!log) return tl::unexpected<Error>(std::move(log.error()));
 
   SystemClock clock;

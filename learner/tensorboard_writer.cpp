@@ -3,8 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <string>
 
 #include "common/io/byte_io.h"
 #include "common/io/crc32c.h"
@@ -18,6 +21,9 @@ constexpr uint32_t kEventWallTime = 1;
 constexpr uint32_t kEventStep = 2;
 constexpr uint32_t kEventFileVersion = 3;
 constexpr uint32_t kEventSummary = 5;
+constexpr uint32_t kEventSessionLog = 7;
+constexpr uint32_t kSessionLogStatus = 1;
+constexpr uint64_t kSessionStart = 1;
 constexpr uint32_t kSummaryValue = 1;
 constexpr uint32_t kValueTag = 1;
 constexpr uint32_t kValueSimple = 2;
@@ -53,9 +59,26 @@ class Message {
   std::vector<std::byte> bytes_;
 };
 
+constexpr std::string_view kPrefix = "events.out.tfevents.";
+
+// For the name of a new file, seconds: later than every file there, also after the clock was set back or when
+// two learners start within a second. TensorBoard ignores a file whose name sorts before one it has read.
+int64_t NameTime(const std::filesystem::path& directory, int64_t now_s) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kPrefix)) continue;
+    int64_t time_s = 0;
+    std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), time_s);
+    now_s = std::max(now_s, time_s + 1);
+  }
+  return now_s;
+}
+
 }  // namespace
 
-Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path& directory) {
+Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path& directory,
+                                                    int64_t first_step) {
   std::error_code failed;
   std::filesystem::create_directories(directory, failed);
   if (failed) {
@@ -66,8 +89,8 @@ Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path&
   if (::gethostname(host.data(), host.size() - 1) != 0 || host[0] == '\0') host = {'h', 'o', 's', 't'};
   const double now_s = 1e-9 * static_cast<double>(WallTimeNs());
   const std::filesystem::path path =
-      directory /
-      fmt::format("events.out.tfevents.{}.{}.{}", static_cast<int64_t>(now_s), host.data(), ::getpid());
+      directory / fmt::format("{}{}.{}.{}", kPrefix, NameTime(directory, static_cast<int64_t>(now_s)),
+                              host.data(), ::getpid());
   auto file = FileDescriptor::Open(path, O_WRONLY | O_CREAT | O_APPEND);
   if (!file) return tl::unexpected<Error>(std::move(file.error()));
   TensorBoardWriter writer(path, std::move(*file));
@@ -75,6 +98,13 @@ Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path&
   version.Double(kEventWallTime, now_s);
   version.Text(kEventFileVersion, "brain.Event:2");
   DADRL_RETURN_IF_ERROR(writer.WriteRecord(version.bytes()));
+  Message session;
+  session.Varint(kSessionLogStatus, kSessionStart);
+  Message start;
+  start.Double(kEventWallTime, now_s);
+  start.Varint(kEventStep, static_cast<uint64_t>(first_step));
+  start.Bytes(kEventSessionLog, session.bytes());
+  DADRL_RETURN_IF_ERROR(writer.WriteRecord(start.bytes()));
   return writer;
 }
 

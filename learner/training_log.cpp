@@ -66,17 +66,20 @@ constexpr std::array kColumns = {
 
 }  // namespace
 
-Result<TrainingLog> TrainingLog::Open(const std::filesystem::path& run_directory) {
+Result<TrainingLog> TrainingLog::Open(const std::filesystem::path& run_directory, uint64_t updates) {
   std::vector<std::string> names;
   for (const Column& column : kColumns) names.emplace_back(column.name);
   auto csv = CsvLog::Open(run_directory / "logs" / "training.csv", names);
   if (!csv) return tl::unexpected<Error>(std::move(csv.error()));
-  auto tensorboard = TensorBoardWriter::Create(run_directory / "tensorboard");
+  auto tensorboard = TensorBoardWriter::Create(run_directory / "tensorboard", static_cast<int64_t>(updates));
   if (!tensorboard) return tl::unexpected<Error>(std::move(tensorboard.error()));
   return TrainingLog(std::move(*csv), std::move(*tensorboard));
 }
 
-void TrainingLog::Add(const TrainingInterval& interval, const LogContext& context) {
+void TrainingLog::Add(const TrainingInterval& interval, const LogContext& measured) {
+  LogContext context = measured;
+  if (context.wall_time_s <= wall_time_s_) context.wall_time_s = wall_time_s_ + context.interval_s;
+  wall_time_s_ = context.wall_time_s;
   const Row row{interval, context};
   std::vector<double> values;
   std::vector<TaggedScalar> scalars;

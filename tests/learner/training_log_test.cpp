@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "common/io/byte_io.h"
 #include "common/io/crc32c.h"
@@ -26,6 +29,7 @@ struct Event {
   double wall_time = 0.0;
   int64_t step = 0;
   std::string file_version;
+  bool session_start = false;
   std::map<std::string, float> scalars;
 };
 
@@ -75,6 +79,11 @@ Event ParseEvent(std::span<const std::byte> bytes) {
     if (field == 1) event.wall_time = number;
     if (field == 2) event.step = static_cast<int64_t>(number);
     if (field == 3) event.file_version = Text(payload);
+    if (field == 7) {  // SessionLog; its status 1 is START
+      ForEachField(payload, [&](uint64_t inner, std::span<const std::byte>, double status) {
+        event.session_start |= inner == 1 && status == 1.0;
+      });
+    }
     if (field != 5) return;
     ForEachField(payload, [&](uint64_t, std::span<const std::byte> value, double) {
       std::string tag;
@@ -106,29 +115,66 @@ std::vector<Event> ReadEvents(const std::filesystem::path& path) {
   return events;
 }
 
+// All events of a folder in the order that TensorBoard reads them: file after file, by name.
+std::vector<Event> ReadFolder(const std::filesystem::path& folder) {
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.insert(entry.path());
+  std::vector<Event> events;
+  for (const auto& file : files) {
+    for (Event& event : ReadEvents(file)) events.push_back(std::move(event));
+  }
+  return events;
+}
+
+// The steps that TensorBoard shows: a session's start drops those from its own step on.
+std::vector<int64_t> ShownSteps(const std::vector<Event>& events) {
+  std::vector<int64_t> steps;
+  for (const Event& event : events) {
+    if (event.session_start) std::erase_if(steps, [&](int64_t step) { return step >= event.step; });
+    if (!event.scalars.empty()) steps.push_back(event.step);
+  }
+  return steps;
+}
+
 TEST(TensorBoardWriter, WritesRecordsThatAReaderOfTheFormatUnderstands) {
   TemporaryFolder folder;
-  auto writer = TensorBoardWriter::Create(folder.path() / "tensorboard");
+  auto writer = TensorBoardWriter::Create(folder.path() / "tensorboard", 250);
   ASSERT_TRUE(writer) << writer.error().message;
   const std::vector<TaggedScalar> scalars = {
       {"loss/critic", 0.25}, {"value/mean_q", -3.5}, {"broken", std::numeric_limits<double>::infinity()}};
   ASSERT_TRUE(writer->Add(300, 1234.5, scalars));
   ASSERT_TRUE(writer->Add(70000, 1235.5, {}));
   const std::vector<Event> events = ReadEvents(writer->path());
-  ASSERT_EQ(events.size(), 3u);
+  ASSERT_EQ(events.size(), 4u);
   EXPECT_EQ(events[0].file_version, "brain.Event:2");
-  EXPECT_EQ(events[1].step, 300);
-  EXPECT_EQ(events[1].wall_time, 1234.5);
-  EXPECT_EQ(events[1].scalars,
+  EXPECT_TRUE(events[1].session_start);
+  EXPECT_EQ(events[1].step, 250);
+  EXPECT_EQ(events[2].step, 300);
+  EXPECT_EQ(events[2].wall_time, 1234.5);
+  EXPECT_EQ(events[2].scalars,
             (std::map<std::string, float>{{"loss/critic", 0.25f}, {"value/mean_q", -3.5f}}));
-  EXPECT_EQ(events[2].step, 70000);
+  EXPECT_FALSE(events[2].session_start);
+  EXPECT_EQ(events[3].step, 70000);
 }
 
 TEST(TensorBoardWriter, NameIsOneThatTensorBoardLooksFor) {
   TemporaryFolder folder;
-  const auto writer = TensorBoardWriter::Create(folder.path());
+  const auto writer = TensorBoardWriter::Create(folder.path(), 0);
   ASSERT_TRUE(writer);
   EXPECT_THAT(writer->path().filename().string(), testing::StartsWith("events.out.tfevents."));
+}
+
+TEST(TensorBoardWriter, IsReadAfterTheFilesThatAreThereWhateverTheClockSays) {
+  TemporaryFolder folder;
+  const auto earlier =
+      folder.path() / "events.out.tfevents.9000000000.host.7";  // the clock is set back since
+  std::ofstream(earlier).flush();
+  const auto writer = TensorBoardWriter::Create(folder.path(), 0);
+  ASSERT_TRUE(writer);
+  const auto next = TensorBoardWriter::Create(folder.path(), 0);  // within the same second
+  ASSERT_TRUE(next);
+  EXPECT_LT(earlier, writer->path());
+  EXPECT_LT(writer->path(), next->path());
 }
 
 TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
@@ -139,6 +185,16 @@ TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
   ASSERT_TRUE(
       CsvLog::Open(path, {"a", "b"})->Append(std::vector{4.0, std::numeric_limits<double>::quiet_NaN()}));
   EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b\n1,2.5\n4,\n");
+}
+
+TEST(CsvLog, KeepsTheMillisecondsOfATimeStamp) {
+  TemporaryFolder folder;
+  const auto path = folder.path() / "table.csv";
+  auto log = CsvLog::Open(path, {"a", "b", "c"});
+  EXPECT_EQ(log->last_row_start(), 0.0);
+  ASSERT_TRUE(log->Append(std::vector{1795812345.123, 12345678.0, 1.0 / 3.0}));
+  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b,c\n1795812345.123,12345678,0.333333333\n");
+  EXPECT_EQ(CsvLog::Open(path, {"a", "b", "c"})->last_row_start(), 1795812345.123);
 }
 
 TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
@@ -152,7 +208,7 @@ TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
 
 TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   TemporaryFolder folder;
-  auto log = TrainingLog::Open(folder.path());
+  auto log = TrainingLog::Open(folder.path(), 25);
   ASSERT_TRUE(log) << log.error().message;
   TrainingInterval interval;
   interval.updates = 50;
@@ -168,10 +224,45 @@ TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   EXPECT_THAT(table, HasSubstr("\n10.5,0,50,0,,"));
   const auto file = std::filesystem::directory_iterator(folder.path() / "tensorboard")->path();
   const std::vector<Event> events = ReadEvents(file);
-  ASSERT_EQ(events.size(), 3u);
-  EXPECT_EQ(events[1].scalars.at("loss/critic"), 0.125f);
-  EXPECT_EQ(events[1].scalars.at("speed/batch_mb_per_s"), 4.0f);
-  EXPECT_FALSE(events[2].scalars.contains("loss/critic"));
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[2].scalars.at("loss/critic"), 0.125f);
+  EXPECT_EQ(events[2].scalars.at("speed/batch_mb_per_s"), 4.0f);
+  EXPECT_FALSE(events[3].scalars.contains("loss/critic"));
+}
+
+TEST(TrainingLog, StepsThatAKilledLearnerHadDoneAfterItsCheckpointAreShownOnce) {
+  TemporaryFolder folder;
+  const auto log_to = [&](TrainingLog& log, std::initializer_list<uint64_t> steps) {
+    for (const uint64_t step : steps) {
+      TrainingInterval interval;
+      interval.updates = step;
+      log.Add(interval, {.wall_time_s = 1.0, .interval_s = 0.5});
+    }
+  };
+  log_to(*TrainingLog::Open(folder.path(), 0), {10, 20, 30, 40});
+  log_to(*TrainingLog::Open(folder.path(), 25), {28, 35, 45});  // its checkpoint was that of update 25
+  EXPECT_EQ(ShownSteps(ReadFolder(folder.path() / "tensorboard")),
+            (std::vector<int64_t>{10, 20, 28, 35, 45}));
+}
+
+TEST(TrainingLog, ItsTimesNeverGoBackWhenTheClockDoes) {
+  TemporaryFolder folder;
+  const auto add = [](TrainingLog& log, double wall_time_s) {
+    log.Add(TrainingInterval{}, {.wall_time_s = wall_time_s, .interval_s = 0.5});
+  };
+  {
+    auto log = TrainingLog::Open(folder.path(), 0);
+    add(*log, 1795812345.125);
+    add(*log, 1795800000.0);
+  }
+  auto resumed = TrainingLog::Open(folder.path(), 0);
+  add(*resumed, 1795800000.5);
+  add(*resumed, 1795812400.0);
+  std::ifstream table(folder.path() / "logs" / "training.csv");
+  std::vector<std::string> times;
+  for (std::string row; std::getline(table, row);) times.push_back(row.substr(0, row.find(',')));
+  EXPECT_EQ(times, (std::vector<std::string>{"wall_time_s", "1795812345.125", "1795812345.625",
+                                             "1795812346.125", "1795812400"}));
 }
 
 }  // namespace
