@@ -12,7 +12,7 @@
 #include "deploy/monitor/bottleneck.h"
 #include "deploy/monitor/cluster_monitor.h"
 #include "deploy/monitor/monitor_json.h"
-#include "deploy/monitor/panel.h"
+#include "deploy/monitor/progress_display.h"
 
 namespace dadrl {
 namespace {
@@ -59,6 +59,7 @@ Progress MakeProgress(const RunPaths& paths, const Config& config, const Cluster
   }
   progress.last_evaluation = LastEvaluation(paths.results());
   progress.bottleneck = DescribeBottleneck(progress.summary, config);
+  progress.show_processes = true;
   return progress;
 }
 
@@ -70,8 +71,8 @@ void PrintOnce(const Progress& progress, const Config& config, bool json) {
     return;
   }
   constexpr size_t kWide = 200;
-  for (const std::string& line : RenderPanel(progress, kWide)) fmt::print("{}\n", line);
-  for (const std::string& line : RenderProcesses(progress.summary, kWide)) fmt::print("{}\n", line);
+  const TerminalSize all{.columns = std::min(kWide, SizeOf(stdout).columns)};
+  for (const std::string& line : RenderPanel(progress, all)) fmt::print("{}\n", line);
 }
 
 Result<int> RunMonitor(const MonitorOptions& options) {
@@ -101,9 +102,7 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   while (!signals->StopRequested() && IsRunning(paths)) {
     monitor->Poll(kTick);
     if (!display.Due() || monitor->Summarize().processes.empty()) continue;
-    Progress progress = MakeProgress(paths, config, *monitor);
-    progress.show_processes = true;
-    display.Show(progress);
+    display.Show(MakeProgress(paths, config, *monitor));
   }
   return 0;
 }

@@ -26,10 +26,7 @@ void ClusterMonitor::Poll(Duration timeout) {
         view_.Add(status, clock_.Now());
         if (listeners_.on_status) listeners_.on_status(status);
       },
-      [this](const EpisodeReport& report) {
-        view_.Add(report);
-        if (listeners_.on_episode) listeners_.on_episode(report);
-      });
+      [this](const EpisodeReport& report) { view_.Add(report); });
 }
 
 }  // namespace dadrl

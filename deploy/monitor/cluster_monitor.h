@@ -15,8 +15,7 @@ namespace dadrl {
 class ClusterMonitor {
  public:
   struct Listeners {
-    std::function<void(const ProcessStatus&)> on_status;   // may be empty
-    std::function<void(const EpisodeReport&)> on_episode;  // may be empty
+    std::function<void(const ProcessStatus&)> on_status;  // may be empty
   };
 
   // kUnavailable when telemetry is off.

@@ -1,31 +1,16 @@
 #include "deploy/monitor/panel.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "deploy/monitor/bottleneck.h"
+#include "deploy/monitor/process_lines.h"
 
 namespace dadrl {
 namespace {
-
-constexpr double kPanelInterval_s = 0.5;
-constexpr double kLineInterval_s = 10.0;
-
-size_t TerminalWidth(std::FILE* stream) {
-  winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col < 20) return 80;
-  return size.ws_col;
-}
-
-// Cuts at `width` columns; all text here is ASCII.
-std::string Clip(std::string line, size_t width) {
-  if (line.size() > width) line.resize(width);
-  return line;
-}
 
 std::string Time(const Progress& p) {
   if (p.total_s <= 0.0) return FormatTime(p.elapsed_s);
@@ -59,21 +44,72 @@ std::string Rejected(const ClusterSummary& s) {
   return text;
 }
 
-// ", waits 46 % for simulator (455x, 19.9 s); before: replay 1x, 0.1 s": first what it waits for now, with
-// how often and how long since its start, then what it waited for earlier.
-std::string Waits(const ClusterSummary& s, const std::string& process) {
-  std::string now, before;
-  for (const Wait& wait : s.waits) {
-    if (wait.who != process) continue;
-    const std::string spent =
-        fmt::format("{}x, {:.1f} s", Thousands(static_cast<double>(wait.spent.count)), wait.spent.seconds);
-    if (const double percent = std::round(100.0 * wait.fraction); percent > 0.0) {
-      now += fmt::format(", waits {:.0f} % for {} ({})", percent, wait.for_what, spent);
-    } else {
-      before += fmt::format("; before: {} {}", wait.for_what, spent);
-    }
+// The lines of a panel, and which of them stay where there is not room for all.
+struct Lines {
+  struct Line {
+    int rank;  // 0 stays longest
+    std::string text;
+  };
+  std::vector<Line> all;
+
+  void Add(int rank, std::string text) { all.push_back({rank, std::move(text)}); }
+  std::vector<std::string> Fit(TerminalSize size) const {
+    std::vector<size_t> by_rank(all.size());
+    std::iota(by_rank.begin(), by_rank.end(), size_t{0});
+    std::ranges::stable_sort(by_rank, {}, [this](size_t line) { return all[line].rank; });
+    by_rank.resize(std::min(by_rank.size(), size.rows));
+    std::ranges::sort(by_rank);
+    std::vector<std::string> fitting;
+    for (const size_t line : by_rank) fitting.push_back(ClipColumns(all[line].text, size.columns));
+    return fitting;
   }
-  return now + before;
+};
+
+void AddFaults(const std::vector<std::string>& faults, Lines& lines) {
+  constexpr size_t kMost = 3;
+  for (size_t i = 0; i < std::min(faults.size(), kMost); ++i) lines.Add(1, "  fault       " + faults[i]);
+  if (faults.size() > kMost) {
+    lines.Add(1, fmt::format("  fault       and {} more", faults.size() - kMost));
+  }
+}
+
+void AddReplay(const ClusterSummary& s, Lines& lines) {
+  lines.Add(
+      6, fmt::format("  replay      {} frames, {:.1f} MB, {:.0f} inserted/s, {:.0f} sampled/s, {:.1f} MB/s",
+                     Thousands(s.replay_frames), s.replay_bytes / 1e6, s.inserted_frames_per_s,
+                     s.sampled_transitions_per_s, s.inserted_mb_per_s + s.sampled_mb_per_s));
+  if (s.snapshot_bytes > 0.0) {
+    lines.Add(12, fmt::format("  snapshots   {:.1f} MB in files of their own", s.snapshot_bytes / 1e6));
+  }
+  if (!s.rejected.empty()) lines.Add(7, "  rejected    " + Rejected(s));
+}
+
+void AddLearner(const ClusterSummary& s, Lines& lines) {
+  lines.Add(3,
+            fmt::format("  learner     {} updates, {:.1f} updates/s, critic loss {:.3g}, temperature {:.3g}",
+                        Thousands(s.updates), s.updates_per_s, s.critic_loss, s.temperature));
+  lines.Add(10, fmt::format("  weights     version {:.0f}, staleness mean {:.1f} max {:.0f} versions, "
+                            "mean {:.1f} max {:.0f} s",
+                            s.weights_version, s.staleness_versions.mean, s.staleness_versions.max,
+                            s.staleness_s.mean, s.staleness_s.max));
+}
+
+Lines PanelLines(const Progress& progress) {
+  const ClusterSummary& s = progress.summary;
+  Lines lines;
+  lines.Add(8, progress.title);
+  lines.Add(0, fmt::format("  time        {}  {}", Time(progress), progress.phase));
+  AddFaults(progress.faults, lines);
+  lines.Add(5, fmt::format("  actors      {} alive, {:.0f} env steps/s, {} steps, {} episodes",
+                           s.actors_alive, s.env_steps_per_s, Thousands(s.env_steps), Thousands(s.episodes)));
+  AddReplay(s, lines);
+  AddLearner(s, lines);
+  lines.Add(4, fmt::format("  last {:<6} {}", s.recent_episodes > 0 ? std::to_string(s.recent_episodes) : "",
+                           Recent(s)));
+  if (s.recent_scenarios.size() > 1) lines.Add(11, "  success     " + RecentScenarios(s));
+  lines.Add(9, "  evaluation  " + (progress.last_evaluation.empty() ? "none yet" : progress.last_evaluation));
+  lines.Add(2, "  bottleneck  " + progress.bottleneck);
+  return lines;
 }
 
 }  // namespace
@@ -84,109 +120,28 @@ std::string FormatTime(double seconds) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::vector<std::string> RenderPanel(const Progress& progress, size_t width) {
+std::vector<std::string> RenderPanel(const Progress& progress, TerminalSize size) {
+  const Lines lines = PanelLines(progress);
+  const size_t wanted = progress.show_processes ? progress.summary.processes.size() : 0;
+  const size_t left = size.rows > lines.all.size() ? size.rows - lines.all.size() : 0;
+  // Where there is not room for all, processes get a third.
+  const size_t processes = std::min(wanted, std::max(left, size.rows / 3));
+  std::vector<std::string> shown = lines.Fit({size.rows - processes, size.columns});
+  if (processes > 0) {
+    std::ranges::move(RenderProcesses(progress.summary, {processes, size.columns}),
+                      std::back_inserter(shown));
+  }
+  return shown;
+}
+
+std::string RenderLine(const Progress& progress, size_t columns) {
   const ClusterSummary& s = progress.summary;
-  std::vector<std::string> lines;
-  lines.push_back(progress.title);
-  lines.push_back(fmt::format("  time        {}  {}", Time(progress), progress.phase));
-  for (const std::string& fault : progress.faults) lines.push_back("  fault       " + fault);
-  lines.push_back(fmt::format("  actors      {} alive, {:.0f} env steps/s, {} steps, {} episodes",
-                              s.actors_alive, s.env_steps_per_s, Thousands(s.env_steps),
-                              Thousands(s.episodes)));
-  lines.push_back(
-      fmt::format("  replay      {} frames, {:.1f} MB, {:.0f} inserted/s, {:.0f} sampled/s, {:.1f} MB/s",
-                  Thousands(s.replay_frames), s.replay_bytes / 1e6, s.inserted_frames_per_s,
-                  s.sampled_transitions_per_s, s.inserted_mb_per_s + s.sampled_mb_per_s));
-  if (s.snapshot_bytes > 0.0) {
-    lines.push_back(fmt::format("  snapshots   {:.1f} MB in files of their own", s.snapshot_bytes / 1e6));
-  }
-  if (!s.rejected.empty()) lines.push_back("  rejected    " + Rejected(s));
-  lines.push_back(
-      fmt::format("  learner     {} updates, {:.1f} updates/s, critic loss {:.3g}, temperature {:.3g}",
-                  Thousands(s.updates), s.updates_per_s, s.critic_loss, s.temperature));
-  lines.push_back(
-      fmt::format("  weights     version {:.0f}, staleness mean {:.1f} max {:.0f} versions, "
-                  "mean {:.1f} max {:.0f} s",
-                  s.weights_version, s.staleness_versions.mean, s.staleness_versions.max, s.staleness_s.mean,
-                  s.staleness_s.max));
-  lines.push_back(fmt::format("  last {:<6} {}",
-                              s.recent_episodes > 0 ? std::to_string(s.recent_episodes) : "", Recent(s)));
-  if (s.recent_scenarios.size() > 1) lines.push_back("  success     " + RecentScenarios(s));
-  lines.push_back("  evaluation  " +
-                  (progress.last_evaluation.empty() ? "none yet" : progress.last_evaluation));
-  lines.push_back("  bottleneck  " + progress.bottleneck);
-  for (std::string& line : lines) line = Clip(std::move(line), width);
-  return lines;
+  return ShortenColumns(fmt::format("[{}] {} | {} updates, {:.1f}/s | {:.0f} env steps/s | last {}: success "
+                                    "{:.0f} %, collision {:.0f} % | {}",
+                                    Time(progress), progress.phase, Thousands(s.updates), s.updates_per_s,
+                                    s.env_steps_per_s, s.recent_episodes, 100.0 * s.recent_success,
+                                    100.0 * s.recent_collision, progress.bottleneck),
+                        columns);
 }
-
-std::string RenderLine(const Progress& progress) {
-  const ClusterSummary& s = progress.summary;
-  return fmt::format(
-      "[{}] {} | {:.0f} env steps/s, {:.0f} frames/s, {:.1f} updates/s, {} updates, weights {:.0f}, "
-      "staleness {:.1f} | last {}: success {:.0f} %, collision {:.0f} % | {}",
-      Time(progress), progress.phase, s.env_steps_per_s, s.inserted_frames_per_s, s.updates_per_s,
-      Thousands(s.updates), s.weights_version, s.staleness_versions.mean, s.recent_episodes,
-      100.0 * s.recent_success, 100.0 * s.recent_collision, progress.bottleneck);
-}
-
-std::vector<std::string> RenderProcesses(const ClusterSummary& summary, size_t width) {
-  size_t name_width = 0;
-  for (const ProcessRow& row : summary.processes) name_width = std::max(name_width, row.name.size());
-  std::vector<std::string> lines;
-  for (const ProcessRow& row : summary.processes) {
-    std::string line =
-        fmt::format("  {:<{}} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, name_width, row.pid,
-                    FormatTime(row.uptime_s), row.steps_per_s, 100.0 * row.Share(Activity::kWork));
-    if (row.stale) line += fmt::format(", SILENT for {:.0f} s", row.silent_s);
-    if (row.restarts > 0) line += fmt::format(", restarted {}x", row.restarts);
-    line += Waits(summary, row.name);
-    lines.push_back(Clip(std::move(line), width));
-  }
-  return lines;
-}
-
-ProgressDisplay::ProgressDisplay(std::FILE* stream, const Clock& clock)
-    : stream_(stream), clock_(clock), terminal_(isatty(fileno(stream)) == 1), next_(clock.Now()) {}
-
-ProgressDisplay::~ProgressDisplay() { Finish(); }
-
-bool ProgressDisplay::Due() const { return clock_.Now() >= next_; }
-
-// A terminal or pipe that is gone must not end the training: errors are ignored (fmt::print would throw).
-void ProgressDisplay::Put(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stream_); }
-
-void ProgressDisplay::Erase() {
-  // Up over the old panel, then clear to the end of the screen.
-  if (shown_lines_ > 0) Put(fmt::format("\x1b[{}F\x1b[J", shown_lines_));
-  shown_lines_ = 0;
-}
-
-void ProgressDisplay::Show(const Progress& progress) {
-  next_ = clock_.Now() + FromSeconds(terminal_ ? kPanelInterval_s : kLineInterval_s);
-  if (!terminal_) {
-    Put(RenderLine(progress) + "\n");
-    std::fflush(stream_);
-    return;
-  }
-  const size_t width = TerminalWidth(stream_);
-  std::vector<std::string> lines = RenderPanel(progress, width);
-  if (progress.show_processes) {
-    const std::vector<std::string> processes = RenderProcesses(progress.summary, width);
-    lines.insert(lines.end(), processes.begin(), processes.end());
-  }
-  Erase();
-  for (const std::string& line : lines) Put(line + "\n");
-  std::fflush(stream_);
-  shown_lines_ = lines.size();
-}
-
-void ProgressDisplay::Message(const std::string& text) {
-  Erase();
-  Put(text + "\n");
-  std::fflush(stream_);
-  if (terminal_) next_ = clock_.Now();  // brings the panel back at once
-}
-
-void ProgressDisplay::Finish() { shown_lines_ = 0; }
 
 }  // namespace dadrl

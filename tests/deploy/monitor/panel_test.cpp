@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <limits>
 #include <sstream>
 
 #include "deploy/monitor/monitor_json.h"
+#include "deploy/monitor/process_lines.h"
+#include "deploy/monitor/progress_display.h"
 
 namespace dadrl {
 namespace {
@@ -31,7 +34,7 @@ Progress Sample() {
 
 TEST(Panel, ShowsWhereTheRunIs) {
   std::string text;
-  for (const std::string& line : RenderPanel(Sample(), 120)) text += line + "\n";
+  for (const std::string& line : RenderPanel(Sample(), {})) text += line + "\n";
   EXPECT_THAT(text, HasSubstr("3:12 of 20:00"));
   EXPECT_THAT(text, HasSubstr("4,321 updates"));
   EXPECT_THAT(text, HasSubstr("success 63 %"));
@@ -41,22 +44,110 @@ TEST(Panel, ShowsWhereTheRunIs) {
 TEST(Panel, ShowsScenariosApartWhenThereAreSeveral) {
   Progress progress = Sample();
   progress.summary.recent_scenarios["left_turn"] = {60, 0.95};
-  EXPECT_EQ(RenderPanel(progress, 120).size(), RenderPanel(Sample(), 120).size());
+  EXPECT_EQ(RenderPanel(progress, {}).size(), RenderPanel(Sample(), {}).size());
   progress.summary.recent_scenarios["double_merge"] = {40, 0.5};
-  EXPECT_THAT(RenderPanel(progress, 120),
+  EXPECT_THAT(RenderPanel(progress, {}),
               testing::Contains(HasSubstr("double_merge 50 % of 40, left_turn 95 % of 60")));
   EXPECT_EQ(MonitorJson(progress.summary, "")["recent_episodes"]["scenarios"]["left_turn"]["count"], 60);
 }
 
-TEST(Panel, NeverWrapsANarrowTerminal) {
-  for (const std::string& line : RenderPanel(Sample(), 40)) EXPECT_LE(line.size(), 40u) << line;
+// As many lines as there can be, each longer than any terminal here.
+Progress Busy(int actors) {
+  Progress progress = Sample();
+  progress.title = "dadrl monitor left_turn  (" + std::string(300, 'r') + ")";
+  progress.phase += std::string(300, '.');
+  progress.bottleneck += std::string(300, '.');
+  progress.last_evaluation = std::string(300, 'e');
+  progress.faults.assign(9, std::string(300, 'f'));
+  progress.show_processes = true;
+  ClusterSummary& s = progress.summary;
+  s.snapshot_bytes = 1e9;
+  s.rejected = {{std::string(300, 'k'), 2}};
+  s.recent_scenarios = {{std::string(300, 'a'), {60, 0.95}}, {"übergang", {60, 0.95}}};
+  const auto add = [&](dds::Role role, int index, const std::string& name) {
+    ProcessRow& row = s.processes.emplace_back();
+    row.role = role;
+    row.index = index;
+    row.name = name;
+    row.steps_per_s = 100.0;
+    s.waits.push_back({name, std::string(300, 'w'), 0.5, {1, 1.0}});
+  };
+  add(dds::Role::kLearner, 0, "learner");
+  add(dds::Role::kReplay, 0, "replay-0");
+  for (int i = 0; i < actors; ++i) add(dds::Role::kActor, i, fmt::format("actor-{}", i));
+  return progress;
+}
+
+class PanelSize : public testing::TestWithParam<TerminalSize> {};
+
+TEST_P(PanelSize, IsNeverExceeded) {
+  const TerminalSize size = GetParam();
+  for (const int actors : {1, 100}) {
+    const auto lines = RenderPanel(Busy(actors), size);
+    EXPECT_LE(lines.size(), size.rows);
+    EXPECT_GE(lines.size(), std::min<size_t>(size.rows, 19));  // and is used
+    for (const std::string& line : lines) EXPECT_LE(Columns(line), size.columns) << line;
+    EXPECT_THAT(lines, testing::Contains(HasSubstr("3:12 of 20:00")));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, PanelSize,
+                         testing::Values(TerminalSize{24, 80}, TerminalSize{10, 80}, TerminalSize{5, 40},
+                                         TerminalSize{60, 200}, TerminalSize{1, 30}));
+
+TEST(Panel, ShowsTheFirstFaultsAndCountsTheOthers) {
+  Progress progress = Sample();
+  progress.faults = {"actor-0: silent", "actor-1: silent", "actor-2: silent", "actor-3: silent",
+                     "actor-4: silent"};
+  const auto lines = RenderPanel(progress, {.rows = 5});
+  EXPECT_THAT(lines, testing::ElementsAre(HasSubstr("time"), "  fault       actor-0: silent",
+                                          "  fault       actor-1: silent", "  fault       actor-2: silent",
+                                          "  fault       and 2 more"));
+}
+
+TEST(Panel, LeavesOutWhatMattersLeastFirst) {
+  std::string text;
+  for (const std::string& line : RenderPanel(Sample(), {5, 80})) text += line + "\n";
+  for (const char* kept : {"  time ", "  bottleneck ", "  learner ", "  last 100", "  actors "}) {
+    EXPECT_THAT(text, HasSubstr(kept));
+  }
+  EXPECT_THAT(text, Not(HasSubstr("  weights ")));
+}
+
+TEST(Panel, SumsUpTheProcessesThatHaveNoRoom) {
+  Progress progress = Busy(100);
+  progress.summary.processes[50].stale = true;
+  progress.summary.processes[60].stale = true;
+  EXPECT_THAT(RenderProcesses(progress.summary, {3, 40}),
+              testing::ElementsAre(testing::StartsWith("  actor-48 "), testing::StartsWith("  actor-58 "),
+                                   "  and 1 replay, 100.0/s; 1 learner, 100."));
+  EXPECT_THAT(RenderProcesses(progress.summary, {1, 200}),
+              testing::ElementsAre("  and 1 replay, 100.0/s; 1 learner, 100.0/s; 100 actors, 10000.0/s, "
+                                   "2 SILENT"));
+  EXPECT_EQ(RenderProcesses(progress.summary, {102, 80}).size(), 102u);
+}
+
+TEST(TextColumns, CountsAndCutsCharacters) {
+  EXPECT_EQ(Columns("über"), 4u);
+  EXPECT_EQ(ClipColumns("über", 1), "ü");
+  EXPECT_EQ(ClipColumns("über", 9), "über");
+  EXPECT_EQ(ShortenColumns("Überholspur", 8), "Überh...");
+  EXPECT_EQ(ShortenColumns("Überholspur", 11), "Überholspur");
+  EXPECT_EQ(ClipColumns("a\x1b[2J\xc2\x9b\x7f", 20), "a?[2J??");
+}
+
+TEST(Panel, ALineForALogIsShort) {
+  Progress progress = Busy(1);
+  progress.phase = "training and evaluating";
+  EXPECT_THAT(RenderLine(progress, 119), testing::EndsWith("..."));
+  EXPECT_EQ(Columns(RenderLine(progress, 119)), 119u);
 }
 
 TEST(Panel, ShowsWhatWasRejectedByKindOnceThereIsSomething) {
   Progress progress = Sample();
-  EXPECT_THAT(RenderPanel(progress, 120), testing::Not(testing::Contains(HasSubstr("rejected"))));
+  EXPECT_THAT(RenderPanel(progress, {}), testing::Not(testing::Contains(HasSubstr("rejected"))));
   progress.summary.rejected = {{"wrong checksum", 2}, {"duplicate", 1234}};
-  EXPECT_THAT(RenderPanel(progress, 120),
+  EXPECT_THAT(RenderPanel(progress, {}),
               testing::Contains(HasSubstr("rejected    1,234 duplicate, 2 wrong checksum")));
   EXPECT_EQ(MonitorJson(progress.summary, "")["rejected"]["duplicate"], 1234.0);
   EXPECT_TRUE(MonitorJson({}, "")["rejected"].empty());
@@ -64,9 +155,9 @@ TEST(Panel, ShowsWhatWasRejectedByKindOnceThereIsSomething) {
 
 TEST(RenderPanel, SaysWhatSnapshotsHoldWhenTheyHoldAnything) {
   Progress progress = Sample();
-  EXPECT_THAT(RenderPanel(progress, 120), testing::Not(testing::Contains(HasSubstr("snapshots"))));
+  EXPECT_THAT(RenderPanel(progress, {}), testing::Not(testing::Contains(HasSubstr("snapshots"))));
   progress.summary.snapshot_bytes = 12.5e6;
-  EXPECT_THAT(RenderPanel(progress, 120),
+  EXPECT_THAT(RenderPanel(progress, {}),
               testing::Contains(HasSubstr("snapshots   12.5 MB in files of their own")));
   EXPECT_EQ(MonitorJson(progress.summary, "")["snapshot_bytes"], 12'500'000);
 }
@@ -77,7 +168,7 @@ TEST(Panel, SaysHowOftenAndHowLongEachProcessWaitedForWhat) {
   summary.waits.push_back({"replay-0", "credits", 0.75, {12345, 61.25}});
   summary.waits.push_back({"replay-0", "disk", 0.0, {2, 0.125}});
   summary.waits.push_back({"learner", "inserts", 0.0, {1, 1.0}});
-  EXPECT_THAT(RenderProcesses(summary, 200),
+  EXPECT_THAT(RenderProcesses(summary, {}),
               testing::ElementsAre(testing::EndsWith("works   0 %, waits 75 % for credits (12,345x, 61.2 s)"
                                                      "; before: disk 2x, 0.1 s")));
 }
