@@ -101,7 +101,7 @@ struct EpisodeReport {
   double mean_speed_mps = 0.0;
   double humanness_error = 0.0;
   double overall_score = 0.0;
-  std::string scenario;  // cut to kMaxScenarioName characters
+  std::string scenario;  // cut to kMaxScenarioName bytes of UTF-8
   uint32_t policy_version = 0;
   int64_t sent_ns = 0;
 };

@@ -6,7 +6,9 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "common/util/utf8.h"
 #include "dadrl_lcm/episode_report.hpp"
 #include "dadrl_lcm/process_status.hpp"
 
@@ -51,14 +53,13 @@ bool AllFinite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
-// What can stand in a CSV cell up to the first zero, and nothing but zeros behind it.
+// Printable text up to the first zero, and nothing but zeros behind it.
 std::optional<std::string> TextOf(std::span<const uint8_t> bytes) {
   const auto end = std::find(bytes.begin(), bytes.end(), 0);
-  const bool printable =
-      std::all_of(bytes.begin(), end, [](uint8_t c) { return c > ' ' && c < 0x7f && c != ',' && c != '"'; });
+  std::string text(bytes.begin(), end);
   const bool padded = end != bytes.end() && std::all_of(end, bytes.end(), [](uint8_t c) { return c == 0; });
-  if (!printable || !padded) return std::nullopt;
-  return std::string(bytes.begin(), end);
+  if (!padded || !IsPrintableUtf8(text)) return std::nullopt;
+  return text;
 }
 
 }  // namespace
@@ -97,8 +98,8 @@ std::vector<std::byte> EncodePacket(const EpisodeReport& report) {
   message.mean_speed_mps = report.mean_speed_mps;
   message.humanness_error = report.humanness_error;
   message.overall_score = report.overall_score;
-  std::copy_n(report.scenario.begin(), std::min(report.scenario.size(), EpisodeReport::kMaxScenarioName),
-              message.scenario);
+  const std::string_view scenario = Utf8Prefix(report.scenario, EpisodeReport::kMaxScenarioName);
+  std::copy(scenario.begin(), scenario.end(), message.scenario);
   return Encode(message);
 }
 

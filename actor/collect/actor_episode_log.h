@@ -1,28 +1,38 @@
-// logs/episodes-actor-N.csv: every episode this actor finished, with all its metrics. Telemetry is lossy;
-// this is not. (The run's episodes.csv is the launcher's view of all actors, from telemetry.)
+// logs/episodes-actor-N.csv: every episode this actor finished, with all its metrics. The launcher makes the
+// run's episodes.csv of these tables.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include "actor/collect/collector.h"
-#include "common/io/file_descriptor.h"
+#include "common/io/row_file.h"
 #include "common/util/result.h"
 
 namespace dadrl {
 
-// Not thread safe. A row is one write; half a row that a killed actor left is cut off at the next start.
+// Not thread safe. A row is there whole or not at all; half a row that a killed actor left is cut off at the
+// next start.
 class ActorEpisodeLog {
  public:
   // Creates the folder and the file, or goes on behind its last whole row.
   static Result<ActorEpisodeLog> Open(const std::filesystem::path& path);
+
+  // The largest number of an episode that was there; 0: none. The next one has the next number.
+  uint64_t last_episode() const { return last_episode_; }
+
+  // After an error (a full disk) the row is kept, up to a mebibyte of them, and written with the next one.
   Status Append(uint64_t incarnation, int64_t wall_time_ns, const CollectedEpisode& episode);
 
  private:
-  ActorEpisodeLog(std::filesystem::path path, FileDescriptor file)
-      : path_(std::move(path)), file_(std::move(file)) {}
+  ActorEpisodeLog(RowFile table, uint64_t last_episode)
+      : table_(std::move(table)), last_episode_(last_episode) {}
 
-  std::filesystem::path path_;
-  FileDescriptor file_;
+  RowFile table_;
+  uint64_t last_episode_;
+  std::string waiting_;  // rows that could not be written
 };
 
 }  // namespace dadrl

@@ -108,7 +108,7 @@ Status Actor::Connect() {
                                                             .ledger = ledger_,
                                                             .clock = clock_,
                                                             .stop = shutdown_requested},
-                                           index, incarnation_);
+                                           index, incarnation_, log_->last_episode());
   DADRL_ASSIGN_OR_RETURN(
       reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, options_.index, incarnation_,
                                        {.fill = [this](ProcessStatus& status) { FillStatus(status); },
@@ -147,8 +147,9 @@ void Actor::Record(const CollectedEpisode& episode) {
   const EpisodeReport report = ReportOf(episode, options_.index, incarnation_);
   publisher_->Publish(report);
   const Status appended = log_->Append(incarnation_, report.sent_ns, episode);
-  if (!appended && !std::exchange(log_failed_, true)) {
-    spdlog::error("episodes are not logged any more: {}", appended.error().message);
+  const bool failed_before = std::exchange(log_failed_, !appended);
+  if (!appended && !failed_before) {
+    spdlog::error("episodes cannot be logged now, they follow later: {}", appended.error().message);
   }
 }
 

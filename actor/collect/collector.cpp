@@ -15,14 +15,16 @@ constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
 
 }  // namespace
 
-Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation)
+Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation,
+                     uint64_t last_episode)
     : config_(config),
       parts_(parts),
       actor_(actor),
       incarnation_(incarnation),
       random_(ActionSeed(config.seed, actor, incarnation)),
       random_actions_(kSimulationStepS * config.task.decision_interval),
-      before_(ObservationSpec::From(config.observation)) {}
+      before_(ObservationSpec::From(config.observation)),
+      episode_(last_episode) {}
 
 Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
   seed_ = TrainingSeed(config_.seed, actor_, incarnation_, ++episode_);

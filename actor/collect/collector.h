@@ -54,7 +54,10 @@ class Collector {
     const std::atomic<bool>& stop;
   };
 
-  Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation);
+  // Numbers episodes from `last_episode` + 1 on: what the actor finished before it was restarted has the
+  // numbers up to that.
+  Collector(const Config& config, const Parts& parts, uint32_t actor, uint64_t incarnation,
+            uint64_t last_episode = 0);
 
   // Drives one episode. Nothing when it was cut by `stop` or lost to the simulator (counted; the frames so
   // far stay valid experience). Waits, outside the simulator, while the sink is blocked. An error when the
@@ -86,7 +89,7 @@ class Collector {
   RandomActions random_actions_;
   Observation before_;             // the observation that the action answers
   std::vector<float> parameters_;  // scratch of TakePolicy
-  uint64_t episode_ = 0;
+  uint64_t episode_;
   uint64_t seed_ = 0;
   uint32_t newest_version_ = 0;  // arrived, loaded or refused
   uint32_t version_ = 0;         // in use

@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/util/random.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_processes.h"
+#include "deploy/local/episode_log.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_finder.h"
 #include "deploy/local/signals.h"
@@ -62,12 +64,18 @@ int DrawFirstIndex(int actors) {
 void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 
 // Supervises until the user stops it or no actor is left.
-Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
+Result<int> RunActors(std::vector<ProcessSpec> specs, EpisodeLog episodes, SignalWatcher& signals) {
   const SystemClock clock;
   Supervisor supervisor(RestartLimits{}, clock, Say);
   BecomeSubreaper();
   for (ProcessSpec& spec : specs) DADRL_RETURN_IF_ERROR(supervisor.Start(std::move(spec)));
   bool stopping = false;
+  bool failing = false;
+  const auto update_episodes = [&] {
+    const Status written = episodes.Update();
+    if (!written && !std::exchange(failing, true)) Say(written.error().message);
+    if (written) failing = false;
+  };
   while (!supervisor.AllEnded()) {
     std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
     supervisor.AppendWaitFds(fds);
@@ -75,6 +83,7 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
     poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
     supervisor.Step();
     ReapAdopted(supervisor.RunningPids());
+    update_episodes();
     if (signals.KillRequested()) supervisor.KillAll();
     if (signals.StopRequested() && !stopping) {
       stopping = true;
@@ -82,6 +91,7 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, SignalWatcher& signals) {
       Say("waiting for the actors to finish their step; once more Ctrl-C kills them");
     }
   }
+  update_episodes();
   return supervisor.Lost() ? 1 : 0;
 }
 
@@ -102,7 +112,9 @@ Result<int> RunJoin(const ActorOptions& options) {
                          ActorProcesses(directory.paths(), first, options.actors));
   fmt::print(stderr, "actors {} to {} join {}; logs in {}\n", first, first + options.actors - 1, options.join,
              directory.paths().logs().string());
-  return RunActors(std::move(specs), *signals);
+  DADRL_ASSIGN_OR_RETURN(EpisodeLog episodes,
+                         EpisodeLog::Open(directory.paths().episodes(), directory.paths().logs()));
+  return RunActors(std::move(specs), std::move(episodes), *signals);
 }
 
 }  // namespace

@@ -44,8 +44,6 @@ RunResults RunResults::Load(const std::filesystem::path& path, const Config& con
   }
   Json& json = results.json_;
   results.earlier_s_ = Number(json, "training_s");
-  results.earlier_env_steps_ = Number(json, "env_steps");
-  results.earlier_episodes_ = Number(json, "training_episodes");
   json["scenario"] = config.scenario;
   json["seed"] = config.seed;
   json["commit"] = BuildCommit();
@@ -62,13 +60,14 @@ void RunResults::SetFinal(const EvaluatedAt& at, const EvaluationReport& report)
   json_["final"] = EvaluationJson(at, report);
 }
 
-void RunResults::Update(const std::string& state, double session_s, const ClusterSummary& summary) {
+void RunResults::Update(const std::string& state, double session_s, const ClusterSummary& summary,
+                        const EpisodeLog& episodes) {
   json_["state"] = state;
   json_["training_s"] = earlier_s_ + session_s;
   if (summary.updates > 0) json_["updates"] = static_cast<uint64_t>(summary.updates);
   if (summary.weights_version > 0) json_["weights_version"] = static_cast<uint64_t>(summary.weights_version);
-  json_["env_steps"] = static_cast<uint64_t>(earlier_env_steps_ + summary.env_steps);
-  json_["training_episodes"] = static_cast<uint64_t>(earlier_episodes_ + summary.episodes);
+  json_["env_steps"] = episodes.env_steps();
+  json_["training_episodes"] = episodes.episodes();
 }
 
 Status RunResults::Save() const { return WriteFileAtomically(path_, std::string_view(json_.dump(2) + "\n")); }

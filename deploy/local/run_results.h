@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/util/result.h"
+#include "deploy/local/episode_log.h"
 #include "deploy/monitor/cluster_view.h"
 #include "proto/evaluation/report.h"
 
@@ -28,13 +29,12 @@ class RunResults {
 
   // Seconds of training in earlier sessions.
   double earlier_s() const { return earlier_s_; }
-  // Environment steps of earlier sessions.
-  double earlier_env_steps() const { return earlier_env_steps_; }
 
   void AddEvaluation(const EvaluatedAt& at, const EvaluationReport& report);
   void SetFinal(const EvaluatedAt& at, const EvaluationReport& report);
   // `state`: "running", "finished", "interrupted", "failed".
-  void Update(const std::string& state, double session_s, const ClusterSummary& summary);
+  void Update(const std::string& state, double session_s, const ClusterSummary& summary,
+              const EpisodeLog& episodes);
   // Atomic; blocks on the disk.
   Status Save() const;
 
@@ -43,8 +43,6 @@ class RunResults {
 
   std::filesystem::path path_;
   double earlier_s_ = 0.0;
-  double earlier_env_steps_ = 0.0;
-  double earlier_episodes_ = 0.0;
   nlohmann::ordered_json json_;
 };
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kSaveInterval = std::chrono::seconds(10);
+constexpr Duration kEpisodesInterval = std::chrono::seconds(1);
 // The learner stops by itself when `minutes` are over; this much later it is stopped.
 constexpr double kOverrun_s = 30.0;
 
@@ -32,21 +33,18 @@ Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, 
                                                          bool resume, SignalWatcher& signals,
                                                          ProgressDisplay& display) {
   std::unique_ptr<TrainingRun> run(new TrainingRun(paths, config, resume, signals, display));
-  DADRL_ASSIGN_OR_RETURN(run->episodes_, EpisodeLog::Open(paths.episodes()));
+  DADRL_ASSIGN_OR_RETURN(run->episodes_, EpisodeLog::Open(paths.episodes(), paths.logs()));
+  run->UpdateEpisodes();
+  run->earlier_episodes_ = run->episodes_->episodes();
+  run->earlier_env_steps_ = run->episodes_->env_steps();
   run->OpenTelemetry();
   return run;
 }
 
 void TrainingRun::OpenTelemetry() {
-  auto monitor = ClusterMonitor::Open(
-      config_, clock_,
-      {.on_status = [this](const ProcessStatus& status) { supervisor_.MarkReady(status.pid); },
-       .on_episode =
-           [this](const EpisodeReport& report) {
-             const Status written = episodes_->Append(report);
-             const bool failed_before = std::exchange(episode_lost_, !written);
-             if (!written && !failed_before) display_.Message(written.error().message);
-           }});
+  auto monitor = ClusterMonitor::Open(config_, clock_, {.on_status = [this](const ProcessStatus& status) {
+                                        supervisor_.MarkReady(status.pid);
+                                      }});
   if (monitor) {
     monitor_ = std::move(*monitor);
   } else {
@@ -163,6 +161,7 @@ void TrainingRun::AdvanceTraining() {
     next_evaluation_ = clock_.Now() + FromSeconds(config_.evaluation.interval_s);
     StartEvaluation(false);
   }
+  if (clock_.Now() >= next_episodes_) UpdateEpisodes();
   if (clock_.Now() >= next_save_) {
     next_save_ = clock_.Now() + kSaveInterval;
     SaveResults("running");
@@ -190,9 +189,9 @@ void TrainingRun::Drain(const char* role, Phase next, const std::string& awaited
 }
 
 bool TrainingRun::StartEvaluation(bool final) {
-  const double driven = monitor_ ? monitor_->Summarize().env_steps : 0.0;
+  UpdateEpisodes();
   evaluated_at_ = {.elapsed_s = results_.earlier_s() + (final ? trained_s_ : SessionSeconds()),
-                   .env_steps = static_cast<uint64_t>(results_.earlier_env_steps() + driven)};
+                   .env_steps = episodes_->env_steps()};
   const Status started = final ? evaluator_.StartFinal() : evaluator_.StartInterim();
   if (!started) display_.Message("evaluation: " + started.error().message);
   return started.has_value();
@@ -242,9 +241,17 @@ void TrainingRun::EndRun(RunOutcome outcome) {
 
 void TrainingRun::SaveResults(const char* state) {
   const ClusterSummary summary = monitor_ ? monitor_->Summarize() : ClusterSummary{};
-  results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_, summary);
+  UpdateEpisodes();
+  results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_, summary, *episodes_);
   const Status saved = results_.Save();
   if (!saved) display_.Message(saved.error().message);
+}
+
+void TrainingRun::UpdateEpisodes() {
+  next_episodes_ = clock_.Now() + kEpisodesInterval;
+  const Status written = episodes_->Update();
+  const bool failed_before = std::exchange(episodes_failing_, !written);
+  if (!written && !failed_before) display_.Message(written.error().message);
 }
 
 double TrainingRun::SessionSeconds() const { return ToSeconds(clock_.Now() - started_); }
@@ -274,6 +281,8 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
 Progress TrainingRun::MakeProgress() const {
   Progress progress;
   if (monitor_) progress.summary = monitor_->Summarize();
+  progress.summary.episodes += static_cast<double>(earlier_episodes_);
+  progress.summary.env_steps += static_cast<double>(earlier_env_steps_);
   progress.title = fmt::format("dadrl train {}  ({})", config_.scenario, paths_.root.string());
   progress.phase = PhaseText(progress.summary);
   progress.elapsed_s = results_.earlier_s() + (phase_ == Phase::kTraining ? SessionSeconds() : trained_s_);

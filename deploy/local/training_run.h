@@ -16,7 +16,7 @@
 #include "deploy/local/supervisor.h"
 #include "deploy/local/training_evaluator.h"
 #include "deploy/monitor/cluster_monitor.h"
-#include "deploy/monitor/panel.h"
+#include "deploy/monitor/progress_display.h"
 
 namespace dadrl {
 
@@ -64,6 +64,7 @@ class TrainingRun {
   Progress MakeProgress() const;
   std::string PhaseText(const ClusterSummary& summary) const;
   void SaveResults(const char* state);
+  void UpdateEpisodes();
   double SessionSeconds() const;
 
   const RunPaths paths_;
@@ -74,8 +75,10 @@ class TrainingRun {
   SystemClock clock_;
   Supervisor supervisor_;
   std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
-  std::optional<EpisodeLog> episodes_;
-  bool episode_lost_ = false;  // the last one could not be written
+  std::optional<EpisodeLog> episodes_;       // there after Create
+  bool episodes_failing_ = false;            // the last update could not be written
+  uint64_t earlier_episodes_ = 0;            // of earlier sessions
+  uint64_t earlier_env_steps_ = 0;
   RunResults results_;
   TrainingEvaluator evaluator_;
   EvaluatedAt evaluated_at_;  // of the evaluation under way
@@ -87,6 +90,7 @@ class TrainingRun {
   double trained_s_ = 0.0;  // of this session, fixed when draining begins
   TimePoint next_evaluation_{};
   TimePoint next_save_{};
+  TimePoint next_episodes_{};
   bool stop_handled_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "common/util/csv.h"
 #include "proto/evaluation/report.h"
 #include "proto/evaluation/summary_fields.h"
 
@@ -93,8 +94,8 @@ std::string CsvHeader() {
 }
 
 std::string CsvRow(const std::string& policy, const EvaluatedEpisode& episode) {
-  std::string text = fmt::format("{},{},{},{},", episode.summary.scenario, Quoted(policy), episode.group,
-                                 episode.summary.seed);
+  std::string text = fmt::format("{},{},{},{},", CsvCell(episode.summary.scenario), Quoted(policy),
+                                 episode.group, episode.summary.seed);
   if (episode.lost()) {
     text += std::string(kSummaryFields.size() + 1, ',') + CollisionColumns(std::nullopt) + ',' +
             Quoted(episode.error);

@@ -22,10 +22,19 @@ struct Pose {
     const double dy = p.y - at.y;
     return {dx * std::cos(heading) + dy * std::sin(heading), dy * std::cos(heading) - dx * std::sin(heading)};
   }
-  Point ToGlobal(const Point& p) const {
-    return {at.x + p.x * std::cos(heading) - p.y * std::sin(heading),
-            at.y + p.x * std::sin(heading) + p.y * std::cos(heading)};
+};
+
+// To the frame that `pose` is given in. Sine and cosine are taken once: a plane has 16,384 pixels.
+struct ToGlobal {
+  explicit ToGlobal(const Pose& pose)
+      : at(pose.at), cosine(std::cos(pose.heading)), sine(std::sin(pose.heading)) {}
+  Point operator()(const Point& p) const {
+    return {at.x + p.x * cosine - p.y * sine, at.y + p.x * sine + p.y * cosine};
   }
+
+  Point at;
+  double cosine;
+  double sine;
 };
 
 // A main road along x, two lanes each way, and an arm that joins it from below.
@@ -58,10 +67,11 @@ void Paint(const Pose& ego, std::span<uint8_t> context) {
   constexpr double kMetresPerPixel = 50.0 / kSize;
   double ego_along = 0.0;
   RouteDistance(ego.at, ego_along);
+  const ToGlobal to_global(ego);
   for (int row = 0; row < kSize; ++row) {
     for (int column = 0; column < kSize; ++column) {
       const Point local{25.0 - (row + 0.5) * kMetresPerPixel, 25.0 - (column + 0.5) * kMetresPerPixel};
-      const Point p = ego.ToGlobal(local);
+      const Point p = to_global(local);
       const auto byte = static_cast<size_t>(row * 16 + column / 8);
       const auto bit = static_cast<uint8_t>(1u << (column % 8));
       if (Drivable(p)) context[byte] |= bit;

@@ -77,13 +77,19 @@ TEST(TelemetryPacket, KeepsEveryField) {
   EXPECT_EQ(b.scenario, "left_turn");
 }
 
-TEST(TelemetryPacket, CutsALongScenarioAndRefusesOneThatIsNoName) {
+TEST(TelemetryPacket, CutsALongScenarioAndRefusesOneThatIsNotText) {
   EpisodeReport report = SomeReport();
   report.scenario.clear();
   EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, "");
   report.scenario = std::string(40, 'x');
   EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, std::string(31, 'x'));
-  for (const char* bad : {"left turn", "left,turn", "left\nturn", "left\"turn", "\xff"}) {
+  report.scenario = std::string(30, 'x') + "ü";
+  EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, std::string(30, 'x'));
+  for (const char* good : {"left turn", "left,turn", "left\"turn", "Mündung"}) {
+    report.scenario = good;
+    EXPECT_EQ(DecodeEpisodePacket(EncodePacket(report))->scenario, good);
+  }
+  for (const char* bad : {"left\nturn", "\x1b[2J", "\xc2\x9b", "\xff"}) {
     report.scenario = bad;
     EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report))) << bad;
   }

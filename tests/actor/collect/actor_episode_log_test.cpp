@@ -1,8 +1,12 @@
 #include "actor/collect/actor_episode_log.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -52,11 +56,40 @@ TEST_F(ActorEpisodeLogTest, GoesOnBehindTheLastWholeRow) {
   EXPECT_EQ(lines[2].substr(0, 12), "0.000,2,1,77");
 }
 
+TEST_F(ActorEpisodeLogTest, KnowsTheLargestNumberThatIsThere) {
+  EXPECT_EQ(ActorEpisodeLog::Open(path_).value().last_episode(), 0u);
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(1, 0, Episode(7)));
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(2, 0, Episode(3)));  // as earlier versions did
+  EXPECT_EQ(ActorEpisodeLog::Open(path_).value().last_episode(), 7u);
+}
+
+// A child, because the limit on the size of files is its whole process's.
+TEST_F(ActorEpisodeLogTest, AFullDiskDelaysARow) {
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    auto log = ActorEpisodeLog::Open(path_).value();
+    const rlimit full{std::filesystem::file_size(path_) + 10, RLIM_INFINITY};
+    const rlimit free{RLIM_INFINITY, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &full);
+    const bool refused = !log.Append(1, 0, Episode(1));
+    setrlimit(RLIMIT_FSIZE, &free);
+    _exit(refused && log.Append(1, 0, Episode(2)) ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  const auto lines = Lines();
+  ASSERT_EQ(lines.size(), 3);
+  EXPECT_EQ(lines[1].substr(0, 12), "0.000,1,1,77");
+  EXPECT_EQ(lines[2].substr(0, 12), "0.000,1,2,77");
+}
+
 TEST_F(ActorEpisodeLogTest, NamesTheFileThatCannotBeWritten) {
   std::ofstream(root_.path() / "logs") << "a file where the folder should be";
   const auto log = ActorEpisodeLog::Open(path_);
   ASSERT_FALSE(log);
-  EXPECT_NE(log.error().message.find("episodes-actor-3.csv"), std::string::npos);
+  EXPECT_NE(log.error().message.find((root_.path() / "logs").string()), std::string::npos);
 }
 
 }  // namespace

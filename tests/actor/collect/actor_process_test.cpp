@@ -168,17 +168,19 @@ TEST_F(ActorProcessTest, ARestartedActorDrivesOtherTraffic) {
   std::istringstream lines(Read(log));
   std::string line;
   std::getline(lines, line);
-  int episodes = 0;
-  for (; std::getline(lines, line); ++episodes) {
+  uint64_t episodes = 0;
+  for (uint64_t last = 0; std::getline(lines, line); ++episodes) {
     std::istringstream fields(line);
     std::string field[4];
     for (std::string& text : field) std::getline(fields, text, ',');
     incarnations.insert(field[1]);
+    EXPECT_GT(std::stoull(field[2]), last) << "the numbers go on";
+    last = std::stoull(field[2]);
     seeds.insert(field[3]);
     EXPECT_LT(std::stoull(field[3]), kFirstEvaluationSeed);
   }
   EXPECT_EQ(incarnations.size(), 2);
-  EXPECT_EQ(seeds.size(), static_cast<size_t>(episodes));
+  EXPECT_EQ(seeds.size(), episodes);
 }
 
 TEST_F(ActorProcessTest, SaysThatItsConfigurationIsNotTheLearners) {

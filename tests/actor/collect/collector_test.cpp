@@ -117,6 +117,13 @@ TEST_F(CollectorTest, GivesEachFrameTheActionTakenOnIt) {
   EXPECT_EQ(episode->summary.seed, environment_.seeds[0]);
 }
 
+TEST_F(CollectorTest, GoesOnCountingAfterTheEpisodesOfAnEarlierStart) {
+  Collector collector(config_, {environment_, sink_, policies_, policy_, ledger_, clock_, stop_}, 0, 2, 41);
+  EXPECT_EQ(collector.RunEpisode().value()->episode, 42u);
+  EXPECT_THAT(sink_.lines, testing::Contains("begin 42"));
+  EXPECT_EQ(collector.progress().episodes, 1u);  // since it began
+}
+
 TEST_F(CollectorTest, AddsTheObservationAfterATruncation) {
   environment_.terminates = false;
   Collector collector = Make();

@@ -31,7 +31,9 @@ TEST(MachineChecks, MemoryAndCoresOnlyWarn) {
 }
 
 TEST(MachineChecks, WhateverIsNotGoodSaysHowToMendIt) {
-  for (const MachineCheck& check : CheckMachine(Config{})) {
+  const auto checks = CheckMachine(Config{});
+  EXPECT_FALSE(checks.empty());
+  for (const MachineCheck& check : checks) {
     EXPECT_FALSE(check.detail.empty()) << check.name;
     EXPECT_EQ(check.remedy.empty(), check.state == CheckState::kGood) << check.name;
   }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "proto/evaluation/episode_row.h"
 #include "tests/deploy/local/test_processes.h"
 
 namespace dadrl {
@@ -26,20 +27,33 @@ TEST(RunResults, AccumulateOverSessions) {
   const auto file = folder.path() / "results.json";
   ClusterSummary summary;
   summary.updates = 100;
-  summary.env_steps = 5000;
+  summary.env_steps = 5000;  // what telemetry says counts for nothing
+  summary.episodes = 50;
+  auto episodes = EpisodeLog::Open(folder.path() / "episodes.csv", folder.path() / "logs");
+  ASSERT_TRUE(episodes);
+  const auto drive = [&](int steps) {
+    std::filesystem::create_directories(folder.path() / "logs");
+    std::ofstream log(folder.path() / "logs" / "episodes-actor-0.csv", std::ios::app);
+    if (log.tellp() == 0) log << kActorEpisodeColumns << '\n';
+    TrainingEpisode episode;
+    episode.summary.steps = steps;
+    log << ActorEpisodeRow(episode) << std::flush;
+    ASSERT_TRUE(episodes->Update());
+  };
+  drive(300);
   {
     RunResults results = RunResults::Load(file, Config{});
     results.AddEvaluation({.elapsed_s = 30, .env_steps = 2500, .updates = 50, .policy_version = 7},
                           Report(3, 1));
-    results.Update("interrupted", 60.0, summary);
+    results.Update("interrupted", 60.0, summary, *episodes);
     ASSERT_TRUE(results.Save());
   }
   RunResults results = RunResults::Load(file, Config{});
   EXPECT_EQ(results.earlier_s(), 60.0);
   results.SetFinal({.elapsed_s = 80, .updates = 150, .policy_version = 9}, Report(4, 0));
   summary.updates = 150;
-  summary.env_steps = 1000;
-  results.Update("finished", 20.0, summary);
+  drive(400);
+  results.Update("finished", 20.0, summary, *episodes);
   ASSERT_TRUE(results.Save());
 
   const json saved = json::parse(FileText(file));
@@ -48,7 +62,8 @@ TEST(RunResults, AccumulateOverSessions) {
   EXPECT_THAT(saved["machine"].get<std::string>(), HasSubstr(" cores"));
   EXPECT_EQ(saved["training_s"], 80.0);
   EXPECT_EQ(saved["updates"], 150);
-  EXPECT_EQ(saved["env_steps"], 6000);
+  EXPECT_EQ(saved["env_steps"], 700);
+  EXPECT_EQ(saved["training_episodes"], 2);
   ASSERT_EQ(saved["evaluations"].size(), 1u);
   EXPECT_EQ(saved["evaluations"][0]["success"], 0.75);
   EXPECT_EQ(saved["evaluations"][0]["policy_version"], 7);

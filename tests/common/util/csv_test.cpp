@@ -1,0 +1,26 @@
+#include "common/util/csv.h"
+
+#include <gmock/gmock.h>
+
+namespace dadrl {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Csv, QuotesACellWhereItHasTo) {
+  EXPECT_EQ(CsvCell("left turn"), "left turn");
+  EXPECT_EQ(CsvCell("a,b"), "\"a,b\"");
+  EXPECT_EQ(CsvCell("say \"a\""), "\"say \"\"a\"\"\"");
+  EXPECT_EQ(CsvCell("two\r\nlines"), "\"two  lines\"");
+}
+
+TEST(Csv, SplitsARowOutsideOfQuotes) {
+  EXPECT_THAT(CsvCells("1,,3"), ElementsAre("1", "", "3"));
+  EXPECT_THAT(CsvCells(""), ElementsAre(""));
+  const std::string row = "1," + CsvCell("a,\"b\",c") + ",2";
+  EXPECT_THAT(CsvCells(row), ElementsAre("1", "\"a,\"\"b\"\",c\"", "2"));
+  EXPECT_THAT(CsvCells("1,\"open,2"), ElementsAre("1", "\"open,2"));
+}
+
+}  // namespace
+}  // namespace dadrl
