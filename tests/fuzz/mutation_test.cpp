@@ -46,6 +46,7 @@ std::vector<uint8_t> Mutate(const std::vector<std::vector<uint8_t>>& seeds, Rand
 
 TEST(DecoderMutation, NoInputBreaksADecoder) {
   const auto seeds = SeedInputs();
+  ASSERT_FALSE(seeds.empty());
   for (const auto& seed : seeds) EXPECT_TRUE(CheckDecoder(seed)) << "decoder " << int{seed[0]};
   Random random(20240607);
   for (int i = 0; i < kMutants; ++i) CheckDecoder(Mutate(seeds, random));

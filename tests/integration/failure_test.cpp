@@ -2,9 +2,18 @@
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
 
+#include "common/model/policy_file.h"
+#include "common/util/csv.h"
 #include "tests/integration/cluster_under_test.h"
+#include "tests/integration/stored_experience.h"
 
 namespace dadrl {
 namespace {
@@ -24,7 +33,10 @@ class FailureTest : public testing::Test {
     ASSERT_TRUE(before_) << cluster_.Said();
   }
 
-  void TearDown() override {
+  void TearDown() override { Stop(); }
+
+  // Drains the run, when it has not ended.
+  void Stop() {
     if (cluster_.launcher().TryWait()) return;
     cluster_.launcher().Signal(SIGINT);
     EXPECT_EQ(cluster_.WaitForEnd(60), 0) << cluster_.Said();
@@ -62,36 +74,85 @@ TEST_F(FailureTest, KilledActorComesBackAndTrainingGoesOn) {
   // Nobody else noticed.
   EXPECT_TRUE(WasLeftAlone(*after, "learner")) << cluster_.Said();
   EXPECT_TRUE(WasLeftAlone(*after, "replay-0")) << cluster_.Said();
+  Stop();
+  ExpectEveryChunkOnce(cluster_.run());
+}
+
+// What a replay held when it began to serve, at each of its starts.
+std::vector<double> FramesServed(const std::string& log) {
+  const std::regex line("shard 0 serves ([0-9]+) frames");
+  std::vector<double> frames;
+  for (std::sregex_iterator found(log.begin(), log.end(), line), end; found != end; ++found) {
+    frames.push_back(std::stod((*found)[1]));
+  }
+  return frames;
 }
 
 TEST_F(FailureTest, KilledReplayComesBackWithItsExperience) {
+  // More than what a new replay could be mistaken for.
+  before_ = cluster_.MonitorUntil([](const json& monitor) { return monitor["replay_frames"] > 1000.0; });
+  ASSERT_TRUE(before_) << cluster_.Said();
   const double updates = (*before_)["updates"];
-  const double frames = (*before_)["replay_frames"];
   const auto after = KillAndWait("replay-0", [&](const json& monitor) {
     return IsTraining(monitor) && monitor["updates"] > updates + 20 && monitor["inserted_frames_per_s"] > 0.0;
   });
   ASSERT_TRUE(after) << cluster_.Said();
-  EXPECT_GE((*after)["replay_frames"], frames);
   EXPECT_TRUE(WasLeftAlone(*after, "learner")) << cluster_.Said();
   EXPECT_TRUE(WasLeftAlone(*after, "actor-0")) << cluster_.Said();
+  // It had all of it when it began, before any actor could send it something.
+  const auto served = FramesServed(FileText(cluster_.run() / "logs/replay-0.log"));
+  ASSERT_EQ(served.size(), 2u);
+  EXPECT_EQ(served[0], 0.0);
+  EXPECT_GE(served[1], (*before_)["replay_frames"].get<double>());
+  Stop();
+  ExpectEveryChunkOnce(cluster_.run());
+}
+
+// A column of logs/training.csv.
+std::vector<double> TrainingColumn(const std::filesystem::path& run, const std::string& name) {
+  std::ifstream table(run / "logs" / "training.csv");
+  std::string row;
+  std::getline(table, row);
+  const auto columns = CsvCells(row);
+  const auto column = std::find(columns.begin(), columns.end(), name) - columns.begin();
+  std::vector<double> values;
+  while (std::getline(table, row)) {
+    const auto cells = CsvCells(row);
+    if (cells.size() == columns.size()) values.push_back(std::stod(std::string(cells.at(column))));
+  }
+  return values;
 }
 
 TEST_F(FailureTest, KilledLearnerGoesOnFromItsCheckpoint) {
-  // A checkpoint first, so that there is something to go on from.
-  ASSERT_TRUE(Eventually([&] { return std::filesystem::exists(cluster_.run() / "checkpoints/latest"); }))
-      << cluster_.Said();
+  uint64_t saved = 0;  // updates of a checkpoint that is surely there
+  ASSERT_TRUE(Eventually([&] {
+    const auto policy = LoadPolicy(cluster_.run() / "checkpoints/latest");
+    saved = policy ? policy->updates : 0;
+    return saved >= 50;
+  })) << cluster_.Said();
   before_ = cluster_.Monitor();
   ASSERT_TRUE(before_);
-  const double updates = (*before_)["updates"];
   const double version = (*before_)["weights_version"];
+  const size_t rows = TrainingColumn(cluster_.run(), "updates").size();
   const auto after = KillAndWait("learner", [&](const json& monitor) {
-    // Versions never go back: the actors would not take them.
-    return IsTraining(monitor) && monitor["updates"] > updates && monitor["weights_version"] > version &&
-           MetricOf(monitor, "actor-0", "policy_version") > version;
+    return IsTraining(monitor) && MetricOf(monitor, "actor-0", "policy_version") > version;
   });
   ASSERT_TRUE(after) << cluster_.Said();
   EXPECT_TRUE(WasLeftAlone(*after, "actor-0")) << cluster_.Said();
   EXPECT_TRUE(WasLeftAlone(*after, "replay-0")) << cluster_.Said();
+  Stop();
+  // Whatever the new one reported, from its first word on: it never counted from less than that checkpoint,
+  // and versions never went back: the actors would not take them.
+  const auto updates = TrainingColumn(cluster_.run(), "updates");
+  const auto versions = TrainingColumn(cluster_.run(), "weights_version");
+  ASSERT_GT(updates.size(), rows);
+  EXPECT_GE(*std::min_element(updates.begin() + static_cast<std::ptrdiff_t>(rows), updates.end()),
+            static_cast<double>(saved));
+  EXPECT_TRUE(std::is_sorted(versions.begin(), versions.end()));
+  const auto times = TrainingColumn(cluster_.run(), "wall_time_s");
+  EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+  // Both learners' log has a start: TensorBoard drops what the second one does again.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(cluster_.run() / "tensorboard"), {}), 2);
 }
 
 TEST_F(FailureTest, KilledLauncherLeavesNoOrphansAndTheRunCanBeResumed) {

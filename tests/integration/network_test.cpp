@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <csignal>
 
-#include "common/config/config_yaml.h"
-#include "common/model/observation.h"
 #include "tests/integration/cluster_under_test.h"
-#include "tests/replay/service/stored_chunks.h"
+#include "tests/integration/stored_experience.h"
 
 namespace dadrl {
 namespace {
@@ -151,19 +149,7 @@ TEST_F(TwoMachines, APulledCableCostsAndRepeatsNothingAndTrainingGoesOnByItself)
   actors_.reset();
   Stop(*training_);
   training_.reset();
-  Config config;
-  ASSERT_TRUE(LoadYaml(run_ / "config.yaml", config));
-  const auto chunks =
-      ReadStoredChunks(run_ / "replay" / "shard-0", SchemaHash(ObservationSpec::From(config.observation)));
-  ASSERT_TRUE(chunks) << chunks.error().message;
-  std::map<std::pair<uint32_t, uint64_t>, uint64_t> last;  // by actor and incarnation
-  for (const auto& [identity, copies] : *chunks) {
-    EXPECT_EQ(copies.size(), 1u);
-    uint64_t& sequence = last[{identity.actor, identity.incarnation}];
-    EXPECT_EQ(identity.sequence, sequence + 1) << "what lies between is lost";
-    sequence = identity.sequence;
-  }
-  EXPECT_FALSE(last.empty());
+  ExpectEveryChunkOnce(run_);
 }
 
 // LCM opens there, and hears nothing: as in a container of its own, or behind a firewall.

@@ -1,8 +1,11 @@
 // A training as a user runs it, from the first frame to the results.
 #include <gmock/gmock.h>
 
-#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
 
+#include "common/util/csv.h"
 #include "tests/integration/cluster_under_test.h"
 
 namespace dadrl {
@@ -19,9 +22,30 @@ std::vector<std::string> LeftTurn(const std::vector<std::string>& more = {}) {
   return With(With({"left_turn"}, SmallTraining()), more);
 }
 
-size_t LinesIn(const std::filesystem::path& file) {
-  const std::string text = FileText(file);
-  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+struct Episode {
+  int actor = 0;
+  uint64_t number = 0;
+  std::string scenario;
+};
+
+// The rows of a run's episodes.csv. Expects that no actor's numbers begin again, and that results.json counts
+// every row.
+std::vector<Episode> EpisodesOf(const std::filesystem::path& run) {
+  std::ifstream table(run / "episodes.csv");
+  std::string row;
+  std::getline(table, row);
+  std::vector<Episode> episodes;
+  std::map<int, uint64_t> last;
+  while (std::getline(table, row)) {
+    const auto cells = CsvCells(row);
+    episodes.push_back({.actor = std::stoi(std::string(cells.at(1))),
+                        .number = std::stoull(std::string(cells.at(2))),
+                        .scenario = std::string(cells.at(12))});
+    EXPECT_GT(episodes.back().number, last[episodes.back().actor]) << row;
+    last[episodes.back().actor] = episodes.back().number;
+  }
+  EXPECT_EQ(json::parse(FileText(run / "results.json"))["training_episodes"], episodes.size());
+  return episodes;
 }
 
 TEST(Training, EndsAfterItsUpdatesWithAnEvaluatedPolicy) {
@@ -42,7 +66,7 @@ TEST(Training, EndsAfterItsUpdatesWithAnEvaluatedPolicy) {
                            "logs/replay-0.log", "logs/actor-0.log", "episodes.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(cluster.run() / name)) << name;
   }
-  EXPECT_GT(LinesIn(cluster.run() / "episodes.csv"), 1u);
+  EXPECT_FALSE(EpisodesOf(cluster.run()).empty());
   EXPECT_FALSE(std::filesystem::is_empty(cluster.run() / "tensorboard"));
 
   // What is graded is the best of the last policies.
@@ -76,6 +100,7 @@ TEST(Training, MonitorSeesEverythingFlow) {
   EXPECT_GT((*flowing)["replay_bytes"], 0.0);
   EXPECT_GE((*flowing)["staleness_versions"]["max"], (*flowing)["staleness_versions"]["mean"]);
   EXPECT_FALSE((*flowing)["bottleneck"].get<std::string>().empty());
+  EXPECT_FALSE((*flowing)["waits"].empty());
   for (const json& wait : (*flowing)["waits"]) {  // all so far; the fraction is of the last moments
     EXPECT_GE(wait["count"], 1.0) << wait;
     EXPECT_GT(wait["seconds"], 0.0) << wait;
@@ -105,6 +130,7 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
   const TemporaryFolder folder;
   const auto run = folder.path() / "run";
   double updates = 0;
+  size_t episodes = 0;
   // Left by an earlier end: a training that goes on has chosen nothing yet.
   std::filesystem::create_directories(run);
   std::ofstream(run / "selection.json") << "{}";
@@ -115,6 +141,7 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
     cluster.launcher().Signal(SIGTERM);
     ASSERT_EQ(cluster.WaitForEnd(60), 0) << cluster.Said();
     updates = json::parse(FileText(run / "results.json"))["updates"];
+    episodes = EpisodesOf(run).size();
     EXPECT_FALSE(std::filesystem::exists(run / "selection.json"));
   }
   const CommandOutput changed = Dadrl({"train", "--resume", "--run-dir", run, "--set", "model.hidden=64"});
@@ -128,10 +155,32 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
   const json results = json::parse(FileText(run / "results.json"));
   EXPECT_EQ(results["state"], "finished");
   EXPECT_EQ(results["final"]["updates"], goal);
+  EXPECT_GT(EpisodesOf(run).size(), episodes);
   // One candidate: the newest, without a choice.
   EXPECT_EQ(std::filesystem::read_symlink(run / "checkpoints/best"),
             std::filesystem::read_symlink(run / "checkpoints/latest"));
   EXPECT_FALSE(std::filesystem::exists(run / "selection.json"));
+}
+
+TEST(Training, AScenariosNameMayHaveSpacesAndMoreInIt) {
+  const TemporaryFolder folder;
+  const std::string name = "Straße, \"neu\"";
+  std::filesystem::create_directories(folder.path() / "scenarios");
+  std::filesystem::copy(DADRL_BINARY_DIR "/share/dadrl/scenarios/left_turn",
+                        folder.path() / "scenarios" / name, std::filesystem::copy_options::recursive);
+  setenv("DADRL_SCENARIOS", (folder.path() / "scenarios").c_str(), 1);
+  ClusterUnderTest cluster(folder.path() / "run", With({name}, SmallTraining()));
+  unsetenv("DADRL_SCENARIOS");
+  const auto driven = cluster.MonitorUntil([](const json& monitor) {
+    return IsTraining(monitor) &&
+           monitor["recent_episodes"]["count"] > 0.0;  // its telemetry is taken as well
+  });
+  EXPECT_TRUE(driven) << cluster.Said();
+  cluster.launcher().Signal(SIGINT);
+  EXPECT_EQ(cluster.WaitForEnd(60), 0) << cluster.Said();
+  const auto episodes = EpisodesOf(cluster.run());
+  ASSERT_FALSE(episodes.empty());
+  for (const Episode& episode : episodes) EXPECT_EQ(episode.scenario, CsvCell(name));
 }
 
 TEST(Training, IsTheSameTwiceWhenDeterministic) {

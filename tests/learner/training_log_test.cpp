@@ -232,15 +232,15 @@ TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
 
 TEST(TrainingLog, StepsThatAKilledLearnerHadDoneAfterItsCheckpointAreShownOnce) {
   TemporaryFolder folder;
-  const auto log_to = [&](TrainingLog& log, std::initializer_list<uint64_t> steps) {
+  const auto log_to = [&](Result<TrainingLog> log, std::initializer_list<uint64_t> steps) {
     for (const uint64_t step : steps) {
       TrainingInterval interval;
       interval.updates = step;
-      log.Add(interval, {.wall_time_s = 1.0, .interval_s = 0.5});
+      log->Add(interval, {.wall_time_s = 1.0, .interval_s = 0.5});
     }
   };
-  log_to(*TrainingLog::Open(folder.path(), 0), {10, 20, 30, 40});
-  log_to(*TrainingLog::Open(folder.path(), 25), {28, 35, 45});  // its checkpoint was that of update 25
+  log_to(TrainingLog::Open(folder.path(), 0), {10, 20, 30, 40});
+  log_to(TrainingLog::Open(folder.path(), 25), {28, 35, 45});  // its checkpoint was that of update 25
   EXPECT_EQ(ShownSteps(ReadFolder(folder.path() / "tensorboard")),
             (std::vector<int64_t>{10, 20, 28, 35, 45}));
 }

@@ -130,7 +130,9 @@ TEST(EvaluationReport, TableShowsRatesIntervalsAndLosses) {
 }
 
 TEST(EvaluationReport, CsvHasARowForEveryEpisodeWithTheHeadersColumns) {
-  const std::string csv = ReportCsv(MakeReport("left_turn", "a,\"b\".policy", Sample()));
+  auto episodes = Sample();
+  episodes[0].summary.scenario = "ramp, steep";
+  const std::string csv = ReportCsv(MakeReport("left_turn", "a,\"b\".policy", std::move(episodes)));
   std::vector<std::string> lines;
   for (size_t begin = 0; begin < csv.size();) {
     const size_t end = csv.find('\n', begin);
@@ -149,6 +151,7 @@ TEST(EvaluationReport, CsvHasARowForEveryEpisodeWithTheHeadersColumns) {
     return commas;
   };
   for (const std::string& line : lines) EXPECT_EQ(columns(line), columns(lines[0])) << line;
+  EXPECT_THAT(csv, testing::HasSubstr("\n\"ramp, steep\","));
   EXPECT_THAT(lines[2], testing::HasSubstr(",1000001,collision,50,-0.5,"));
   EXPECT_THAT(lines[5], testing::HasSubstr("\"a vehicle, \"\"b\"\", vanished\""));
 }

@@ -4,8 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
+#include <memory>
 #include <numeric>
+#include <vector>
 
 #include "common/io/checksum.h"
 #include "proto/telemetry.h"
@@ -71,11 +74,31 @@ TEST_F(ReplayFault, ALearnerThatTakesNothingHoldsUpNobody) {
   // More than the learner's reader (16) and the writer's cache take together.
   std::vector<uint64_t> requests;
   for (int i = 0; i < 40; ++i) requests.push_back(learner_->Ask(1024));
-  AddChunks(400);
-  EXPECT_TRUE(actor_->PumpUntilStored(450)) << replay_->Log();
-  for (const uint64_t request : requests) {
-    EXPECT_TRUE(Eventually([&] { return learner_->RepliesTo(request).size() == 1; }));
+  // Meanwhile others store what they drive, in turns.
+  constexpr uint64_t kChunks = 400;
+  std::vector<std::unique_ptr<PeerActor>> actors;
+  for (const uint32_t id : {11, 12, 13, 14}) {
+    actors.push_back(std::make_unique<PeerActor>(*actor_node_, id, 100));
+    for (uint64_t i = 0; i < kChunks; ++i) {
+      actors.back()->Add({.episode = i + 1, .frames = kFrames, .end = kTerminated});
+    }
   }
+  const bool all_stored = Eventually([&] {
+    for (const auto& actor : actors) actor->Pump();
+    return std::all_of(actors.begin(), actors.end(),
+                       [](const auto& actor) { return actor->stored() == kChunks; });
+  });
+  for (const auto& actor : actors) EXPECT_EQ(actor->stored(), kChunks) << actor->id() << replay_->Log();
+  ASSERT_TRUE(all_stored);
+  // The batches that wait for their learner come as soon as it takes them, each once, and the last of them
+  // were not sent before all of that was stored: it did hold its replies up.
+  uint64_t newest = 0;
+  for (const uint64_t request : requests) {
+    ASSERT_TRUE(Eventually([&] { return learner_->RepliesTo(request).size() == 1; })) << replay_->Log();
+    newest = std::max(newest, learner_->RepliesTo(request)[0].frames_inserted);
+  }
+  EXPECT_EQ(newest, (50 + actors.size() * kChunks) * kFrames);
+  EXPECT_FALSE(learner_->Fetch(32).bytes.empty()) << replay_->Log();
 }
 
 // A program of this test, by its arguments; its process id.
