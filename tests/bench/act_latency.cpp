@@ -9,6 +9,7 @@
 #include "common/model/acting_policy.h"
 #include "common/model/networks.h"
 #include "tests/bench/core_peak.h"
+#include "tests/bench/help.h"
 #include "tests/bench/network_flops.h"
 #include "tests/bench/observations.h"
 
@@ -56,7 +57,10 @@ bool Measure(int present, const std::string& name) {
 }  // namespace
 }  // namespace dadrl::bench
 
-int main() {
+int main(int argc, char** argv) {
   using dadrl::bench::Measure;
+  if (dadrl::bench::HelpAsked(argc, argv, "act_latency: latency of the acting policy on one observation\n")) {
+    return 0;
+  }
   return Measure(6, "six vehicles") && Measure(2, "two vehicles") ? 0 : 1;
 }

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/help.h"
+
 namespace {
 
 using dadrl::nn::Isa;
@@ -194,7 +196,10 @@ void MeasureSingle(Isa isa, const std::string& images, const std::vector<uint8_t
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (dadrl::bench::HelpAsked(argc, argv, "conv_stack: speed of the context encoder's convolutions\n")) {
+    return 0;
+  }
   const auto roads = Roads(256), noise = Noise(64);
   for (Isa isa : {Isa::kAvx512, Isa::kAvx2}) {
     if (!nn::SetIsa(isa)) continue;

@@ -11,6 +11,7 @@
 #include "common/nn/aligned_buffer.h"
 #include "common/nn/lanes/lane_kernels.h"
 #include "tests/bench/core_peak.h"
+#include "tests/bench/help.h"
 
 namespace dadrl::bench {
 namespace {
@@ -69,8 +70,9 @@ void Measure(int outputs, int inputs, int batch, const char* what) {
 }  // namespace
 }  // namespace dadrl::bench
 
-int main() {
+int main(int argc, char** argv) {
   using dadrl::bench::Measure;
+  if (dadrl::bench::HelpAsked(argc, argv, "dense_product: our dense product beside Eigen's\n")) return 0;
   if (dadrl::nn::ActiveIsa() != dadrl::nn::Isa::kAvx512) return 0;
   Measure(224, 56, 448, "lstm step");
   Measure(256, 256, 64, "hidden");

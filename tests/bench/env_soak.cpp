@@ -20,6 +20,7 @@
 #include "actor/sim/scenario_plan.h"
 #include "actor/sim/sumo_traffic.h"
 #include "common/util/random.h"
+#include "tests/bench/help.h"
 
 namespace dadrl::bench {
 namespace {
@@ -110,6 +111,10 @@ Result<bool> Run(int episodes, const std::string& name) {
 }  // namespace dadrl::bench
 
 int main(int argc, char** argv) {
+  if (dadrl::bench::HelpAsked(
+          argc, argv, "env_soak [EPISODES [SCENARIO]]: memory over many episodes; 2000 of left_turn\n")) {
+    return 0;
+  }
   const int episodes = argc > 1 ? std::atoi(argv[1]) : dadrl::bench::kEpisodes;
   if (episodes < 8 || argc > 3) {
     fmt::print(stderr, "usage: env_soak [EPISODES [SCENARIO]]: at least 8 episodes\n");

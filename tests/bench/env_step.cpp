@@ -22,6 +22,7 @@
 #include "actor/sim/sumo_traffic.h"
 #include "common/util/random.h"
 #include "tests/bench/core_peak.h"
+#include "tests/bench/help.h"
 
 namespace dadrl::bench {
 namespace {
@@ -184,4 +185,10 @@ int Main(std::vector<std::string> names) {
 }  // namespace
 }  // namespace dadrl::bench
 
-int main(int argc, char** argv) { return dadrl::bench::Main({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  if (dadrl::bench::HelpAsked(argc, argv,
+                              "env_step [SCENARIO...]: the environment step beside SUMO's bare one\n")) {
+    return 0;
+  }
+  return dadrl::bench::Main({argv + 1, argv + argc});
+}

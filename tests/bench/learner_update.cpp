@@ -15,6 +15,7 @@
 
 #include "learner/algorithms/algorithm.h"
 #include "tests/bench/core_peak.h"
+#include "tests/bench/help.h"
 #include "tests/bench/network_flops.h"
 #include "tests/bench/observations.h"
 
@@ -100,5 +101,10 @@ int Main(std::span<char*> names) {
 }  // namespace dadrl::bench
 
 int main(int argc, char** argv) {
+  if (dadrl::bench::HelpAsked(argc, argv,
+                              "learner_update [CASE...]: whole SAC updates; a case is \"separate b64 t1\": "
+                              "encoders, batch,\nthreads\n")) {
+    return 0;
+  }
   return dadrl::bench::Main(std::span(argv, static_cast<size_t>(argc)).subspan(1));
 }

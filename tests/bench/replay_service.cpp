@@ -3,14 +3,16 @@
 // Its files are in memory (/dev/shm), so that it is the service that is measured; one case shows what a disk
 // makes of it, beside a plain file of the same bytes on the same disk.
 //
-// Prints JSON lines, each the median of kRuns; with an argument (inserts, disk, samples, latencies,
-// snapshots) only that part. The limit is the same traffic in the same run without a replay: one process
-// writes the same bytes under the same QoS, another takes and drops them. For latencies it is the bare peer
-// answering while it is flooded with chunks in the same way; for snapshots, the replay that takes none.
+// Prints JSON lines, each the median of kRuns, and each run to standard error; with arguments (inserts, disk,
+// samples, latencies, snapshots) only those parts. The limit is the same traffic in the same run without a
+// replay: one process writes the same bytes under the same QoS, another takes and drops them. For latencies
+// it is the bare peer answering while it is flooded with chunks in the same way; for snapshots, the replay
+// that takes none.
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <exception>
@@ -19,10 +21,12 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/util/clock.h"
 #include "common/util/log.h"
 #include "tests/bench/chunk_stream.h"
+#include "tests/bench/help.h"
 #include "tests/bench/service_runs.h"
 #include "tests/replay/service/replay_process.h"
 
@@ -39,7 +43,7 @@ constexpr uint64_t kStored = 3000;  // chunks to sample from
 // Writes the chunks to one file on the disk and forces them there.
 Numbers WriteFile() {
   const Folder folder(Disk());
-  ChunkStream stream(ObservationSpec{});
+  ChunkStream stream;
   const SystemClock clock;
   const TimePoint begin = clock.Now();
   const int file = open((folder.path() / "chunks").c_str(), O_WRONLY | O_CREAT, 0600);
@@ -58,7 +62,7 @@ Numbers FeedGranted(const Config& config) { return FeedAll(config, kChunks, true
 
 void Inserts() {
   const Comparison runs = Compare(
-      [] { return WithReplay(FeedGranted); },
+      "inserts", [] { return WithReplay(FeedGranted); },
       [](const Numbers&) {
         return WithMirror([](const Config& config) { return FeedAll(config, kChunks, false); }, kChunks);
       });
@@ -66,8 +70,8 @@ void Inserts() {
 }
 
 void InsertsToDisk() {
-  const Comparison runs =
-      Compare([] { return WithReplay(FeedGranted, Disk()); }, [](const Numbers&) { return WriteFile(); });
+  const Comparison runs = Compare(
+      "disk", [] { return WithReplay(FeedGranted, Disk()); }, [](const Numbers&) { return WriteFile(); });
   PrintRate("inserted frames, on disk, forced every second", runs, kFrames, "frames/s");
 }
 
@@ -79,9 +83,9 @@ void Samples() {
   const Traffic fetch_bare = [](const Config& config) {
     return FetchAll(config, {.batches = kBatches, .replies_of = kBatches});
   };
-  const Comparison runs =
-      Compare([&] { return WithReplay(fetch_stored); },
-              [&](const Numbers& ours) { return WithMirror(fetch_bare, kChunks, kBatches, ours.bytes); });
+  const Comparison runs = Compare(
+      "samples", [&] { return WithReplay(fetch_stored); },
+      [&](const Numbers& ours) { return WithMirror(fetch_bare, kChunks, kBatches, ours.bytes); });
   PrintRate("sampled batches of 256, 3 steps", runs, kBatches, "batches/s");
 }
 
@@ -91,12 +95,13 @@ Numbers FetchUnderFlood(const Config& config, bool granting) {
 }
 
 void Latencies() {
-  const Comparison runs =
-      Compare([] { return WithReplay([](const Config& config) { return FetchUnderFlood(config, true); }); },
-              [](const Numbers& ours) {
-                return WithMirror([](const Config& config) { return FetchUnderFlood(config, false); },
-                                  kChunks, 1, ours.bytes);
-              });
+  const Comparison runs = Compare(
+      "latencies",
+      [] { return WithReplay([](const Config& config) { return FetchUnderFlood(config, true); }); },
+      [](const Numbers& ours) {
+        return WithMirror([](const Config& config) { return FetchUnderFlood(config, false); }, kChunks, 1,
+                          ours.bytes);
+      });
   PrintWait("batch of 256 while inserts run, p50", runs, &Numbers::p50_s);
   PrintWait("batch of 256 while inserts run, p99", runs, &Numbers::p99_s);
 }
@@ -134,6 +139,7 @@ void Snapshots() {
   Comparison inserts;
   Comparison batches;
   for (int run = 0; run < kRuns; ++run) {
+    SayRun("snapshots", run);
     const BothSides without = FeedAndFetchDuring(0);
     const BothSides with = FeedAndFetchDuring(kSnapshots);
     inserts.limit.push_back(without.inserts);
@@ -153,17 +159,37 @@ void Snapshots() {
 }  // namespace
 }  // namespace dadrl::bench
 
+namespace {
+
+constexpr std::string_view kUsage =
+    "replay_service [PART...]: the replay as a process, beside the same traffic without it; parts: inserts, "
+    "disk,\nsamples, latencies, snapshots; without: all\n";
+using Part = std::pair<std::string_view, void (*)()>;
+constexpr std::array<Part, 5> kParts{{{"inserts", dadrl::bench::Inserts},
+                                      {"disk", dadrl::bench::InsertsToDisk},
+                                      {"samples", dadrl::bench::Samples},
+                                      {"latencies", dadrl::bench::Latencies},
+                                      {"snapshots", dadrl::bench::Snapshots}}};
+
+bool IsPart(std::string_view name) {
+  return std::any_of(kParts.begin(), kParts.end(), [&](const Part& part) { return part.first == name; });
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace dadrl::bench;
+  if (dadrl::bench::HelpAsked(argc, argv, kUsage)) return 0;
+  const std::vector<std::string_view> wanted(argv + 1, argv + argc);
+  for (const std::string_view name : wanted) {
+    if (IsPart(name)) continue;
+    fmt::print(stderr, "no part '{}'; {}", name, kUsage);
+    return 2;
+  }
   dadrl::InitLogging("replay_service");
-  constexpr std::array<std::pair<std::string_view, void (*)()>, 5> kParts{{{"inserts", Inserts},
-                                                                           {"disk", InsertsToDisk},
-                                                                           {"samples", Samples},
-                                                                           {"latencies", Latencies},
-                                                                           {"snapshots", Snapshots}}};
+  const dadrl::bench::ChunkStream drawn_before_any_fork;
   try {
     for (const auto& [name, run] : kParts) {
-      if (argc < 2 || name == argv[1]) run();
+      if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run();
     }
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());

@@ -29,6 +29,7 @@
 #include "replay/table.h"
 #include "tests/bench/chunk_stream.h"
 #include "tests/bench/figure.h"
+#include "tests/bench/help.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl::bench {
@@ -196,7 +197,7 @@ void PrintResident(const std::string& what, const Resident& before, const Replay
 bool Table(const std::filesystem::path& directory) {
   constexpr uint64_t kChunks = kItems / 64;
   const SystemClock clock;
-  ChunkStream stream(kSpec);
+  ChunkStream stream;
   uint64_t bytes = 0;
   std::vector<std::byte> copy(kMaxChunkBytes);
   const double bare_copy = Seconds([&] {
@@ -281,6 +282,12 @@ bool Recorded(const std::filesystem::path& directory) {
 }  // namespace dadrl::bench
 
 int main(int argc, char** argv) {
+  if (dadrl::bench::HelpAsked(
+          argc, argv,
+          "replay_table [SHARD]: the replay table without a network, one thread; of a copy "
+          "of a\nrecorded shard's folder, what its experience keeps resident\n")) {
+    return 0;
+  }
   if (argc > 1) return dadrl::bench::Recorded(argv[1]) ? 0 : 1;
   dadrl::bench::Draws();
   dadrl::bench::Codec();

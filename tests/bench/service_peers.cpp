@@ -44,7 +44,6 @@ class Feeder {
         acknowledgements_(
             Need(dds::Reader<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(1)))),
         chunks_(Need(dds::Writer<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)))),
-        stream_(kSpec),
         granted_(granting ? 1 : UINT64_MAX) {
     while (chunks_->matched() == 0 || acknowledgements_->matched() == 0) {
       SystemClock().SleepFor(std::chrono::milliseconds(10));

@@ -66,10 +66,15 @@ Numbers FetchAll(const Config& config, const Fetching& fetching) {
   return PeerProcess([&] { return Fetch(config, fetching); }).Wait();
 }
 
-Comparison Compare(const std::function<Numbers()>& ours,
+void SayRun(const char* part, int run) {
+  fmt::print(stderr, "{} {}: run {} of {}\n", kBench, part, run + 1, kRuns);
+}
+
+Comparison Compare(const char* part, const std::function<Numbers()>& ours,
                    const std::function<Numbers(const Numbers&)>& limit) {
   Comparison runs;
   for (int run = 0; run < kRuns; ++run) {
+    SayRun(part, run);
     runs.ours.push_back(ours());
     runs.limit.push_back(limit(runs.ours.back()));
   }

@@ -51,8 +51,11 @@ struct Comparison {
   std::vector<Numbers> ours;
   std::vector<Numbers> limit;
 };
-// In turn; the limit's run gets the numbers of ours before it.
-Comparison Compare(const std::function<Numbers()>& ours, const std::function<Numbers(const Numbers&)>& limit);
+// In turn; the limit's run gets the numbers of ours before it. Says on standard error which run of `part`
+// begins.
+Comparison Compare(const char* part, const std::function<Numbers()>& ours,
+                   const std::function<Numbers(const Numbers&)>& limit);
+void SayRun(const char* part, int run);
 
 // `amount` by the seconds of a run; each run goes to standard error.
 void PrintRate(const std::string& name, const Comparison& runs, double amount, const char* unit);
