@@ -2,6 +2,7 @@
 #   dadrl_library(NAME SOURCES ... LINK ...)     static library dadrl_NAME
 #   dadrl_executable(NAME SOURCES ... LINK ...)  build/<preset>/bin/NAME
 #   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...])  GoogleTest binary, each case registered with CTest
+# PLAIN_HEADERS leaves the precompiled headers out (DadrlHeaders.cmake): for sources with flags of their own.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -14,8 +15,10 @@ endif()
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # What ccache wants before it caches a compilation that uses a precompiled header. No code uses __TIME__.
+  set(CACHED_COMPILER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CACHED_COMPILER})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CACHED_COMPILER})
 endif()
 find_program(MOLD mold)
 if(MOLD AND NOT DADRL_SANITIZE)
@@ -27,6 +30,9 @@ if(DADRL_SANITIZE)
   add_compile_options(-fsanitize=${DADRL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${DADRL_SANITIZE})
 endif()
+
+# Some packages ask for it; who shares precompiled headers must agree.
+add_compile_options(-pthread)
 
 add_library(dadrl_warnings INTERFACE)
 target_compile_options(dadrl_warnings INTERFACE
@@ -40,15 +46,23 @@ function(dadrl_configure TARGET)
 endfunction()
 
 function(dadrl_library NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "PLAIN_HEADERS" "" "SOURCES;LINK" ${ARGN})
   add_library(dadrl_${NAME} STATIC ${ARG_SOURCES})
   dadrl_configure(dadrl_${NAME} LINK ${ARG_LINK})
+  if(NOT ARG_PLAIN_HEADERS)
+    dadrl_use_precompiled(dadrl_${NAME} dadrl_headers)
+  endif()
 endfunction()
 
 function(dadrl_executable NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "PLAIN_HEADERS" "" "SOURCES;LINK" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
   dadrl_configure(${NAME} LINK ${ARG_LINK})
+  if(CLI11::CLI11 IN_LIST ARG_LINK)
+    dadrl_use_precompiled(${NAME} dadrl_command_headers)
+  elseif(NOT ARG_PLAIN_HEADERS)
+    dadrl_use_precompiled(${NAME} dadrl_headers)
+  endif()
 endfunction()
 
 function(dadrl_test NAME)
@@ -58,9 +72,8 @@ function(dadrl_test NAME)
   endif()
   add_executable(${NAME} ${ARG_SOURCES})
   dadrl_configure(${NAME} LINK ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  dadrl_use_precompiled(${NAME} dadrl_test_headers)
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  target_compile_definitions(${NAME} PRIVATE DADRL_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                             DADRL_BINARY_DIR="${CMAKE_BINARY_DIR}")
   # Processes that a test starts inherit it.
   set(LEAKS "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan_suppressions.txt:print_suppressions=0")
   set(RACES "TSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/tsan_suppressions.txt")

@@ -28,6 +28,7 @@
 #include "tests/bench/chunk_stream.h"
 #include "tests/bench/help.h"
 #include "tests/bench/service_runs.h"
+#include "tests/paths.h"
 #include "tests/replay/service/replay_process.h"
 
 namespace dadrl::bench {

@@ -12,6 +12,7 @@
 
 #include "common/io/npy.h"
 #include "common/nn/param_layout.h"
+#include "tests/paths.h"
 
 namespace dadrl::golden {
 

@@ -9,6 +9,7 @@
 
 #include "common/model/policy_file.h"
 #include "tests/deploy/cli/run_command.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

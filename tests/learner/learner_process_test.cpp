@@ -16,6 +16,7 @@
 #include "learner/checkpoint_store.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/cluster_fixture.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/paths.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {

@@ -16,6 +16,7 @@
 #include "proto/telemetry.h"
 #include "tests/actor/experience/replay_peer.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -12,6 +12,7 @@
 
 #include "common/util/random.h"
 #include "tests/actor/test_maps.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "actor/sim/simulation.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

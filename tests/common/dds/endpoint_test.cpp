@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/common/dds/dds_fixture.h"
+#include "tests/paths.h"
 
 namespace dadrl::dds {
 namespace {

@@ -5,6 +5,7 @@
 #include "common/config/validate.h"
 #include "deploy/local/executables.h"
 #include "tests/deploy/cli/run_command.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/deploy/cli/run_command.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "deploy/local/child_process.h"
 #include "tests/deploy/local/test_processes.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 

@@ -8,6 +8,7 @@
 #include "common/model/policy_file.h"
 #include "deploy/local/run_directory.h"
 #include "tests/deploy/cli/run_command.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

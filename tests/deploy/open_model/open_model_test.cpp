@@ -11,6 +11,7 @@
 #include "common/nn/kernels/isa.h"
 #include "tests/deploy/cli/run_command.h"
 #include "tests/golden/golden.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "proto/telemetry.h"
+#include "tests/paths.h"
 #include "tests/replay/run_tool.h"
 #include "tests/replay/service/service_fixture.h"
 

@@ -12,6 +12,7 @@
 
 #include "common/io/checksum.h"
 #include "proto/telemetry.h"
+#include "tests/paths.h"
 #include "tests/replay/service/fault_fixture.h"
 
 namespace dadrl {

@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "common/config/config_yaml.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 
