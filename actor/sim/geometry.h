@@ -25,7 +25,20 @@ struct Pose {
   double heading = 0.0;
 };
 
+// A rectangle on the ground.
+struct OrientedBox {
+  Pose pose;  // of its centre
+  double length = 0.0;
+  double width = 0.0;
+};
+
 inline Point Forward(double heading) { return {std::cos(heading), std::sin(heading)}; }
+
+// Whether two things so far apart, in height and on the ground, in metres, can be on one road: roads on two
+// levels are more than 2.5 m apart where they cross, and no road is steeper than 8 %.
+inline bool OnOneLevel(double elevation_difference, double distance) {
+  return std::abs(elevation_difference) <= 2.5 + 0.08 * distance;
+}
 
 // Into (-pi, pi].
 inline double WrapAngle(double angle) {

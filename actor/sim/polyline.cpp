@@ -18,14 +18,16 @@ size_t SegmentAt(const std::vector<double>& arc, double s) {
 
 }  // namespace
 
-Polyline::Polyline(const std::vector<Point>& points) {
+Polyline::Polyline(const std::vector<Point>& points, const std::vector<double>& elevations) {
+  const bool flat = std::ranges::all_of(elevations, [](double elevation) { return elevation == 0.0; });
   points_.reserve(points.size());
   arc_.reserve(points.size());
-  for (const Point& point : points) {
-    const double spacing = points_.empty() ? 0.0 : Norm(point - points_.back());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double spacing = points_.empty() ? 0.0 : Norm(points[i] - points_.back());
     if (!points_.empty() && spacing < kMinSpacing) continue;
     arc_.push_back(arc_.empty() ? 0.0 : arc_.back() + spacing);
-    points_.push_back(point);
+    points_.push_back(points[i]);
+    if (!flat) elevations_.push_back(elevations[i]);
   }
   assert(points_.size() >= 2);
   BuildBlocks();
@@ -51,6 +53,13 @@ double Polyline::HeadingAt(double s) const {
   const size_t i = SegmentAt(arc_, s);
   const Point d = points_[i + 1] - points_[i];
   return std::atan2(d.y, d.x);
+}
+
+double Polyline::ElevationAt(double s) const {
+  if (elevations_.empty()) return 0.0;
+  const size_t i = SegmentAt(arc_, s);
+  const double t = std::clamp((s - arc_[i]) / (arc_[i + 1] - arc_[i]), 0.0, 1.0);
+  return elevations_[i] + t * (elevations_[i + 1] - elevations_[i]);
 }
 
 Polyline::Projection Polyline::Project(Point point) const { return Project(point, 0.0, length()); }

@@ -11,8 +11,9 @@ namespace dadrl {
 class Polyline {
  public:
   Polyline() = default;
-  // Drops points closer than a millimetre to their predecessor.
-  explicit Polyline(const std::vector<Point>& points);
+  // Drops points closer than a millimetre to their predecessor. `elevations`: of each point, metres; empty
+  // where everything is at height 0.
+  explicit Polyline(const std::vector<Point>& points, const std::vector<double>& elevations = {});
 
   struct Projection {
     double s = 0.0;         // along the line, clamped to its ends
@@ -28,6 +29,7 @@ class Polyline {
   // s outside the line continues along the first or last segment.
   Point At(double s) const;
   double HeadingAt(double s) const;
+  double ElevationAt(double s) const;
   Projection Project(Point point) const;
   // The nearest point with s within [s_low, s_high]: keeps a projection from jumping where a line meets
   // itself.
@@ -44,6 +46,7 @@ class Polyline {
 
   std::vector<Point> points_;
   std::vector<double> arc_;
+  std::vector<double> elevations_;  // empty: 0 everywhere
   std::vector<Block> blocks_;
 };
 

@@ -1,5 +1,6 @@
 #include "actor/task/events.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -11,15 +12,10 @@ namespace {
 constexpr double kOncomingAngle = 175.0 * std::numbers::pi / 180.0;
 constexpr double kOncomingLaneWidths = 1.1;
 
-// Follows internal lanes until a lane of the route or the end of the junction.
+// Directly or through one junction.
 bool LeadsToRoute(const RoadMap& map, const Route& route, int lane) {
-  for (const int next : map.lanes()[static_cast<size_t>(lane)].successors) {
-    if (map.lanes()[static_cast<size_t>(next)].internal ? LeadsToRoute(map, route, next)
-                                                        : route.OnRoute(next)) {
-      return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(map.CrossingsFrom(lane),
+                             [&](const std::vector<int>& way) { return route.OnRoute(way.back()); });
 }
 
 }  // namespace
@@ -33,7 +29,7 @@ EventDetector::EventDetector(const RoadMap& map, const Route& route) : map_(map)
 Events EventDetector::Detect(const WorldState& world, const EgoLocation& location) const {
   Events events;
   events.collision = EgoTouchesAny(world);
-  events.off_road = map_.OffRoad(world.ego.pose.position);
+  events.off_road = map_.OffRoad(world.ego.pose.position, world.ego.elevation_m);
   events.goal = Norm(world.ego.pose.position - route_.goal()) <= kGoalRadius;
   events.wrong_way = WrongWay(world.ego.pose, location);
   events.off_route = OffRoute(location, events.wrong_way);

@@ -85,5 +85,40 @@ TEST(RoadMap, OffRoadStartsATenthBeyondTheLaneEdge) {
   EXPECT_TRUE(map.OffRoad({102, 0}));
 }
 
+// A road under a bridge 7 m higher: where they cross, each has only itself.
+TEST(RoadMap, RoadsAboveEachOtherAreKeptApart) {
+  Lane bridge = MakeLane("over_0", "over", 0, {{50, -50}, {50, 50}});
+  bridge.centre = Polyline(bridge.centre.points(), {7.0, 7.0});
+  const RoadMap map({MakeLane("under_0", "under", 0, {{0, 0}, {100, 0}}), bridge}, {});
+  EXPECT_TRUE(map.has_levels());
+  EXPECT_EQ(map.NearestLane({50, 1}, 0.0, 5.0)->lane, 0);
+  EXPECT_EQ(map.NearestLane({50, 1}, 0.0, 5.0, 7.0)->lane, 1);
+  EXPECT_EQ(map.NearestLane({50, 1}, 0.0, 5.0, 7.0)->elevation, 7.0);
+  EXPECT_FALSE(map.OffRoad({50, 20}, 7.0));
+  EXPECT_TRUE(map.OffRoad({50, 20}, 0.0));
+}
+
+// Two villages 10,000 km apart: what the map takes follows the roads between them, of which there are none.
+TEST(RoadMap, TakesWhatItsRoadsTakeNotItsExtent) {
+  const RoadMap map(
+      {MakeLane("a_0", "a", 0, {{0, 0}, {100, 0}}), MakeLane("b_0", "b", 0, {{1e7, 1e7}, {1e7 + 100, 1e7}})},
+      {});
+  EXPECT_EQ(map.NearestLane({50, 1}, 0.0, 5.0)->lane, 0);
+  EXPECT_EQ(map.NearestLane({1e7 + 50, 1e7 + 1}, 0.0, 5.0)->lane, 1);
+  EXPECT_TRUE(map.OffRoad({5e6, 5e6}));
+}
+
+TEST(RoadMap, AJunctionThatLeadsInACircleIsLeftAfterOneRound) {
+  Lane in = MakeLane("in_0", "in", 0, {{0, 0}, {10, 0}});
+  Lane first = MakeLane(":J_0_0", ":J_0", 0, {{10, 0}, {12, 0}});
+  Lane second = MakeLane(":J_1_0", ":J_1", 0, {{12, 0}, {10, 0}});
+  first.internal = second.internal = true;
+  in.successors = {1};
+  first.successors = {2};
+  second.successors = {1, 3};
+  const RoadMap map({in, first, second, MakeLane("out_0", "out", 0, {{10, 0}, {30, 0}})}, {});
+  EXPECT_EQ(map.CrossingsFrom(0), (std::vector<std::vector<int>>{{1, 2, 3}}));
+}
+
 }  // namespace
 }  // namespace dadrl
