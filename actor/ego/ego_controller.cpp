@@ -36,6 +36,7 @@ double ChangingDistance(double speed) { return 3.5 + 0.6 * speed; }
 
 EgoController::EgoController(const RoadMap& map, const Route& route)
     : paths_(std::make_shared<const std::vector<Path>>(FindPaths(map, route))),
+      sides_(std::make_shared<PathSides>(*paths_)),
       initial_(PathOfRoute(*paths_, route)) {
   Reset();
 }
@@ -86,7 +87,7 @@ int EgoController::Neighbour(const EgoState& ego, int lane_command) const {
   for (size_t i = 0; lane_command != 0 && i < paths_->size(); ++i) {
     if (!Drivable(ego, i)) continue;
     const auto metre = static_cast<size_t>(projections_[i].s);
-    const double side = lane_command * (*paths_)[i].sides[static_cast<size_t>(current_)][metre];
+    const double side = lane_command * sides_->At(static_cast<int>(i), current_, metre);
     if (side > 0.0 && side < best_side) {
       best_side = side;
       best = static_cast<int>(i);

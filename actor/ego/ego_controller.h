@@ -20,7 +20,8 @@ struct EgoCommand {
 // Follows lanes and changes them on command, like the "lane with continuous speed" controller of the paper's
 // simulator. The command counts from the path the ego is on now: hold it until the change is past its middle,
 // or the ego returns. Where a lane forks, it chooses the branch. Holding it for longer than a change takes
-// does nothing where there is no further path. Cheap to copy, to try out what would happen. Not thread safe.
+// does nothing where there is no further path. Cheap to copy, to try out what would happen. Not thread safe,
+// and neither are two copies.
 class EgoController {
  public:
   EgoController(const RoadMap& map, const Route& route);
@@ -44,6 +45,7 @@ class EgoController {
   double CurveSpeed(const EgoState& ego, const Polyline::Projection& projection) const;
 
   std::shared_ptr<const std::vector<Path>> paths_;  // shared by copies: it never changes
+  std::shared_ptr<PathSides> sides_;                // of these; shared by copies: what one asks, all know
   int initial_ = 0;
   int current_ = 0;
   int followed_ = 0;

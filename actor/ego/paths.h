@@ -3,29 +3,40 @@
 
 #include <vector>
 
+#include "actor/ego/lane_sequences.h"
 #include "actor/sim/polyline.h"
 #include "actor/sim/road_map.h"
 #include "actor/sim/route.h"
 
 namespace dadrl {
 
-// Immutable after construction.
 struct Path {
-  std::vector<int> lanes;  // in driving order, internal ones included
+  LaneSequence lanes;
   Polyline centre;
   // What the curve allows at each metre, m/s; infinite where there is none.
   std::vector<double> speed_caps;
-  // sides[p][i]: how far this path is to the left of path p, in metres, where the two first part on the 24 m
-  // from metre i of this path on; 0 where they do not.
-  std::vector<std::vector<double>> sides;
 };
 
-// Every lane of every edge that can be reached along the route belongs to at least one path. Where a lane
-// forks, a path takes the branches that stay on the route; a lane that does not lead on along the route is
-// followed to where it ends. In no particular order.
+// A path for each lane sequence, in their order.
 std::vector<Path> FindPaths(const RoadMap& map, const Route& route);
 
 // The path that stays longest on the route's own lanes.
 int PathOfRoute(const std::vector<Path>& paths, const Route& route);
+
+// Which of two paths is to the left of the other, worked out where it is asked for and kept. Not thread safe.
+class PathSides {
+ public:
+  // Keeps a reference to `paths`.
+  explicit PathSides(const std::vector<Path>& paths);
+
+  // How far `path` is to the left of `other`, in metres, where the two first part on the 24 m from `metre` of
+  // `path` on; 0 where they do not.
+  double At(int path, int other, size_t metre);
+
+ private:
+  const std::vector<Path>& paths_;
+  // By path and other: by metre, not a number where nobody asked yet; empty where nobody asked at all.
+  std::vector<std::vector<double>> sides_;
+};
 
 }  // namespace dadrl
