@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -14,73 +13,19 @@ namespace {
 
 constexpr int kSize = ObservationSpec::kContextSize;
 constexpr size_t kPlaneBytes = ObservationSpec::kContextBytes / ObservationSpec::kContextPlanes;
-constexpr double kCellMetres = 0.2;
-// Half the diagonal of a view, and how far off the network's bounds the ego's centre may be (off-road ends an
-// episode long before).
-constexpr double kPadding = 0.5 * kViewSide * std::numbers::sqrt2 + 5.0;
+constexpr double kCellMetres = DrivableArea::kCellMetres;
+// Half the diagonal of a view.
+constexpr double kReach = 0.5 * kViewSide * std::numbers::sqrt2;
 constexpr double kPixelCells = kPixelMetres / kCellMetres;
 constexpr double kFixedOne = 65536.0;  // of GridSquare
 
 static_assert(std::endian::native == std::endian::little, "the route's plane is copied as words");
 static_assert(kSize % 32 == 0, "a row of a plane is whole words");
 
-struct Bounds {
-  Point low{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
-  Point high{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest()};
-
-  void Add(Point p, double margin) {
-    low = {std::min(low.x, p.x - margin), std::min(low.y, p.y - margin)};
-    high = {std::max(high.x, p.x + margin), std::max(high.y, p.y + margin)};
-  }
-};
-
-Bounds BoundsOf(const RoadMap& map) {
-  Bounds bounds;
-  for (const Lane& lane : map.lanes()) {
-    for (const Point p : lane.centre.points()) bounds.Add(p, lane.width / 2);
-  }
-  for (const auto& junction : map.junctions()) {
-    for (const Point p : junction) bounds.Add(p, 0.0);
-  }
-  return bounds;
-}
-
-BitGrid EmptyGrid(const Bounds& bounds) {
-  const Point size = bounds.high - bounds.low;
-  return {static_cast<int>(std::ceil((size.x + 2 * kPadding) / kCellMetres)),
-          static_cast<int>(std::ceil((size.y + 2 * kPadding) / kCellMetres))};
-}
-
-void FillLane(const Lane& lane, Point origin, BitGrid& grid) {
-  const std::vector<Point>& points = lane.centre.points();
-  const auto cell = [&](size_t i) { return (1.0 / kCellMetres) * (points[i] - origin); };
-  const double half_width = lane.width / 2 / kCellMetres;
-  for (size_t i = 0; i + 1 < points.size(); ++i) {
-    grid.FillStrip(cell(i), cell(i + 1), half_width, BitGrid::Ends::kSquare);
-    // The wedge that two rectangles leave open on the outside of a bend.
-    if (i > 0) grid.FillStrip(cell(i), cell(i), half_width, BitGrid::Ends::kRound);
-  }
-}
-
-BitGrid DrivableGrid(const RoadMap& map, Point origin) {
-  BitGrid grid = EmptyGrid(BoundsOf(map));
-  for (const Lane& lane : map.lanes()) FillLane(lane, origin, grid);
-  std::vector<Point> polygon;
-  for (const auto& junction : map.junctions()) {
-    polygon.clear();
-    for (const Point p : junction) polygon.push_back((1.0 / kCellMetres) * (p - origin));
-    grid.FillPolygon(polygon);
-  }
-  return grid;
-}
-
 }  // namespace
 
 BirdsEyeView::BirdsEyeView(const RoadMap& map, const Route& route)
-    : route_(route),
-      origin_(BoundsOf(map).low - Point{kPadding, kPadding}),
-      drivable_(DrivableGrid(map, origin_), kPixelCells),
-      route_plane_(kSize, kSize) {}
+    : route_(route), drivable_(map, route, kReach, kPixelCells), route_plane_(kSize, kSize) {}
 
 void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out) {
   assert(out.size() == ObservationSpec::kContextBytes);
@@ -88,15 +33,13 @@ void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out)
   DrawRoute(ego, route_s, out.last(kPlaneBytes));
 }
 
-void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const {
-  const Point centre = (1.0 / kCellMetres) * (ego.position - origin_);
-  const double reach = 0.5 * kViewSide * std::numbers::sqrt2 / kCellMetres + 2.0;
-  const BitGrid& grid = drivable_.grid();
-  if (!(centre.x >= reach && centre.y >= reach && centre.x <= grid.width() - reach &&
-        centre.y <= grid.height() - reach)) {
+void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) {
+  const DrivableArea::Bitmap* const bitmap = drivable_.Around(ego.position);
+  if (bitmap == nullptr) {
     std::ranges::fill(plane, uint8_t{0});
     return;
   }
+  const Point centre = (1.0 / kCellMetres) * (ego.position - bitmap->origin);
   const Point up = kPixelCells * Forward(ego.heading);
   const Point right{up.y, -up.x};
   GridSquare square;
@@ -108,7 +51,7 @@ void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const
     square.x[static_cast<size_t>(row)] = static_cast<int32_t>(start.x * kFixedOne + 0.5);
     square.y[static_cast<size_t>(row)] = static_cast<int32_t>(start.y * kFixedOne + 0.5);
   }
-  drivable_.Sample(square, plane);
+  bitmap->cells.Sample(square, plane);
 }
 
 void BirdsEyeView::DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane) {

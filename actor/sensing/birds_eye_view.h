@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "actor/sensing/bit_grid.h"
-#include "actor/sensing/bit_sampler.h"
+#include "actor/sensing/drivable_area.h"
 #include "actor/sim/geometry.h"
 #include "actor/sim/road_map.h"
 #include "actor/sim/route.h"
@@ -20,8 +19,8 @@ constexpr double kPixelMetres = kViewSide / ObservationSpec::kContextSize;
 constexpr double kRouteHalfWidth = 1.0;
 constexpr double kRouteAhead = 32.0;
 
-// Draws the network's drivable area once, then each view is a rotated sample of it. Borrows the route. Not
-// thread safe; Draw allocates nothing.
+// Each view is a rotated sample of the drivable area. Borrows map and route. Not thread safe; Draw allocates
+// nothing but, in a large network, the surroundings of a place that is new.
 class BirdsEyeView {
  public:
   BirdsEyeView(const RoadMap& map, const Route& route);
@@ -33,12 +32,11 @@ class BirdsEyeView {
   void Draw(const Pose& ego, double route_s, std::span<uint8_t> out);
 
  private:
-  void DrawDrivable(const Pose& ego, std::span<uint8_t> plane) const;
+  void DrawDrivable(const Pose& ego, std::span<uint8_t> plane);
   void DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane);
 
   const Route& route_;
-  Point origin_;         // world position of the drivable grid's corner
-  BitSampler drivable_;  // row: north, column: east; padded so that a view never leaves it
+  DrivableArea drivable_;
   BitGrid route_plane_;
 };
 

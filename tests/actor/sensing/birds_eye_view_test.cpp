@@ -197,6 +197,42 @@ std::string AsPortableBitmap(const Planes& planes) {
   return text;
 }
 
+// A road of 20 km: wherever on it the ego is, the road looks the same, squares that were drawn, dropped and
+// drawn again included.
+TEST(BirdsEyeView, ARoadLooksTheSameHoweverFarItGoes) {
+  std::vector<Lane> lanes;
+  lanes.push_back(test::MakeLane("road_0", "road", 0, 10.0, {{0, 0}, {20'000, 0}}));
+  const RoadMap map(std::move(lanes), {});
+  const Route route(map, {0}, {0, 0}, {20'000, 0});
+  BirdsEyeView view(map, route);
+  const auto look = [&](double x) {
+    Planes planes(ObservationSpec::kContextBytes, 0xAA);
+    view.Draw({{x, 0.0}, 0.0}, x, planes);
+    return planes;
+  };
+  const Planes expected = look(100.0);
+  ASSERT_GT(Count(expected, 0), 0);
+  for (double x = 228.0; x < 19'900.0; x += 128.0) {
+    ASSERT_EQ(Differences(look(x), expected, 0), 0) << x;
+    ASSERT_EQ(Differences(look(x), expected, 1), 0) << x;
+  }
+  EXPECT_EQ(Differences(look(100.0), expected, 0), 0);
+}
+
+TEST(BirdsEyeView, ABridgeOverTheRouteIsNotRoad) {
+  const auto draw = [](double height) {
+    std::vector<Lane> lanes;
+    lanes.push_back(test::MakeLane("under_0", "under", 0, 10.0, {{0, 0}, {200, 0}}));
+    lanes.push_back(test::MakeLane("over_0", "over", 0, 10.0, {{100, -100}, {100, 100}}));
+    lanes.back().centre = Polyline({{100, -100}, {100, 100}}, {height, height});
+    const RoadMap map(std::move(lanes), {});
+    return Draw(map, Route(map, {0}, {0, 0}, {200, 0}), {{90, 0}, 0.0});
+  };
+  // Without the bridge the road is 3.2 m of the 50 m wide view.
+  EXPECT_NEAR(Count(draw(7.0), 0), kSize * kSize * 3.2 / 50, kSize);
+  EXPECT_GT(Count(draw(0.0), 0), 1.8 * Count(draw(7.0), 0));
+}
+
 TEST(BirdsEyeView, LooksLikeTheGoldenPicture) {
   const RoadMap map = TJunction();
   const Route route(map, {0, 1, 2}, {0, -50}, {-50, -2});
