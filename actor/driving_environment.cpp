@@ -45,7 +45,7 @@ Status DrivingEnvironment::Reset(uint64_t seed) {
   vehicle_.Reset(ego.pose, ego.speed_mps);
   controller_.Reset();
   localizer_.Reset();
-  location_ = localizer_.Locate(ego.pose);
+  location_ = localizer_.Locate(ego.pose, ego.elevation_m);
   task_.Begin(config_.scenario, seed, location_);
   sensor_.Reset();
   sensor_.Update(world(), location_);
@@ -89,7 +89,7 @@ Status DrivingEnvironment::SimulateOneStep(const DriveCommand& command) {
     return Fail(ErrorCode::kInternal, "the episode of seed {} is lost after {} steps: {}", summary().seed,
                 summary().steps, advanced.error().message);
   }
-  location_ = localizer_.Locate(world().ego.pose);
+  location_ = localizer_.Locate(world().ego.pose, world().ego.elevation_m);
   last_step_ = simulation_->ego_arrived() ? task_.Leave(world(), location_) : task_.Step(world(), location_);
   sensor_.Update(world(), location_);
   running_ = !last_step_.ended();

@@ -47,10 +47,10 @@ void PredictivePolicy::Predict(const WorldState& world) {
     const double advance = vehicle.speed_mps * kStepSeconds;
     Pose pose = vehicle.pose;
     Trajectory& trajectory = others_.emplace_back();
-    for (Pose& predicted : trajectory) {
+    for (OrientedBox& predicted : trajectory) {
       pose.position = pose.position + advance * Forward(pose.heading + turn / 2);
       pose.heading += turn;
-      predicted = pose;
+      predicted = {pose, vehicle.length_m, vehicle.width_m};
     }
   }
   past_[static_cast<size_t>(scenes_ % kTurnSteps)] = world.vehicles;
@@ -65,9 +65,10 @@ int PredictivePolicy::ClearSteps(const DrivingEnvironment& environment, const Dr
     vehicle.Step(control.target_speed_mps, control.target_steering_rad);
     const Point position = vehicle.state().pose.position;
     if (Norm(position - environment.route().goal()) <= kGoalRadius) return kHorizonSteps;
-    if (environment.map().OffRoad(position)) return step;
+    if (environment.map().OffRoad(position, environment.world().ego.elevation_m)) return step;
     for (const Trajectory& other : others_) {
-      if (BoxesWithin(vehicle.state().pose, other[static_cast<size_t>(step)], kClearance)) return step;
+      if (BoxesWithin(EgoBox(vehicle.state().pose), other[static_cast<size_t>(step)], kClearance))
+        return step;
     }
   }
   return kHorizonSteps;

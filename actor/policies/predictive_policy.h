@@ -20,7 +20,7 @@ class PredictivePolicy final : public DrivingPolicy {
  private:
   static constexpr int kHorizonSteps = 40;
   static constexpr int kTurnSteps = 5;  // a turn rate is measured over this many steps
-  using Trajectory = std::array<Pose, kHorizonSteps>;
+  using Trajectory = std::array<OrientedBox, kHorizonSteps>;
 
   void Predict(const WorldState& world);
   double TurnRate(const SocialVehicle& vehicle) const;

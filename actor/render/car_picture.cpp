@@ -25,12 +25,17 @@ Track Rotations(const std::vector<double>& headings) {
 }
 
 // Body and windscreen, pointing right, centred; returns the body.
-Node AddBody(Node parent, const svg::Scale& scale, const char* stroke) {
-  const double length = kVehicleLength * scale.pixels_per_metre;
-  const double width = kVehicleWidth * scale.pixels_per_metre;
+Node AddBody(Node parent, Point size_m, const svg::Scale& scale, const char* stroke) {
+  const double length = size_m.x * scale.pixels_per_metre;
+  const double width = size_m.y * scale.pixels_per_metre;
+  // A driver sits at the front, however long the vehicle is.
+  const double front = (size_m.x / 2 - kVehicleLength / 2) * scale.pixels_per_metre;
+  const double cab = kVehicleLength * scale.pixels_per_metre;
   const Node body = svg::AddBox(parent, {-length / 2, -width / 2, length, width},
-                                {{"rx", 0.28 * width}, {"stroke", stroke}, {"stroke-width", "1.2"}});
-  svg::AddBox(parent, {0.14 * length, -0.38 * width, 0.16 * length, 0.76 * width},
+                                {{"rx", 0.28 * std::min(width, kVehicleWidth * scale.pixels_per_metre)},
+                                 {"stroke", stroke},
+                                 {"stroke-width", "1.2"}});
+  svg::AddBox(parent, {front + 0.14 * cab, -0.38 * width, 0.16 * cab, 0.76 * width},
               {{"rx", 0.08 * width}, {"fill", colour::kInk}, {"fill-opacity", "0.75"}});
   return body;
 }
@@ -66,8 +71,8 @@ Node AddFollower(Node parent, const Film& film, const VehicleVisit& visit, const
   return group;
 }
 
-void MarkHit(Node car, const Film& film, const CarStyle& style) {
-  const double reach = 0.75 * kVehicleLength * style.scale.pixels_per_metre;
+void MarkHit(Node car, const Film& film, const VehicleVisit& visit, const CarStyle& style) {
+  const double reach = 0.75 * visit.length_m * style.scale.pixels_per_metre;
   const Node ring = svg::Add(
       car, "circle",
       {{"class", "hit"}, {"r", reach}, {"fill", "none"}, {"stroke", colour::kHarm}, {"stroke-width", "3"}});
@@ -93,13 +98,14 @@ void DrawCar(Node parent, const Film& film, const VehicleVisit& visit, const Car
   AnimateVisibility(car, film, During(film, visit));
   const Node turned = svg::Add(car, "g");
   AnimateTransform(turned, film, "rotate", Rotations(headings), Motion::kSmooth, visit.first);
-  Animate(AddBody(turned, style.scale, colour::kInk), film, "fill", colours, Motion::kSteps, visit.first);
+  Animate(AddBody(turned, {visit.length_m, visit.width_m}, style.scale, colour::kInk), film, "fill", colours,
+          Motion::kSteps, visit.first);
   if (style.names) {
     svg::AddText(car, {0, 3}, fmt::format("{}", visit.vehicle),
                  {{"class", "name"}, {"text-anchor", "middle"}, {"font-size", "9"}});
   }
   const bool hit = film.shows_end() && film.recording().collided_with == visit.vehicle;
-  if (hit && visit.Includes(film.size() - 1)) MarkHit(car, film, style);
+  if (hit && visit.Includes(film.size() - 1)) MarkHit(car, film, visit, style);
 }
 
 void DrawWeight(Node parent, const Film& film, const VehicleVisit& visit, const CarStyle& style) {
@@ -120,7 +126,8 @@ void DrawEgo(Node parent, const Film& film, Point at, const svg::Scale& scale) {
   const Node ego = svg::Add(parent, "g", {{"class", "ego"}, {"transform", svg::Translate(at)}});
   const Node turned = svg::Add(ego, "g");
   AnimateTransform(turned, film, "rotate", Rotations(headings), Motion::kSmooth);
-  AddBody(turned, scale, colour::kPaper).append_attribute("fill") = colour::kEgo;
+  AddBody(turned, {kVehicleLength, kVehicleWidth}, scale, colour::kPaper).append_attribute("fill") =
+      colour::kEgo;
   svg::AddText(ego, {0, 1.6 * kVehicleLength / 2 * scale.pixels_per_metre}, "ego",
                {{"class", "strong halo"}, {"text-anchor", "middle"}, {"fill", colour::kEgo}});
 }

@@ -67,7 +67,8 @@ std::optional<int> VehicleTouched(const WorldState& world) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const SocialVehicle& vehicle : world.vehicles) {
     const double distance = Norm(vehicle.pose.position - world.ego.pose.position);
-    if (distance >= nearest || !BoxesWithin(world.ego.pose, vehicle.pose, kContactDistance)) continue;
+    if (distance >= nearest || !BoxesWithin(EgoBox(world.ego.pose), vehicle.box(), kContactDistance))
+      continue;
     nearest = distance;
     touched = vehicle.id;
   }

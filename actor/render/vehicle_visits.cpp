@@ -5,9 +5,6 @@
 namespace dadrl {
 namespace {
 
-// No car drives faster: one that does has left and started anew.
-constexpr double kJumpSpeed = 60.0;  // m/s
-
 double AttentionOf(const Moment& moment, int vehicle) {
   for (const Attention& attention : moment.attention) {
     if (attention.vehicle == vehicle) return attention.weight;
@@ -15,10 +12,8 @@ double AttentionOf(const Moment& moment, int vehicle) {
   return 0.0;
 }
 
-bool Continues(const VehicleVisit& visit, const Film& film, size_t moment, const Pose& pose) {
-  if (visit.first + visit.poses.size() != moment) return false;
-  const double seconds = film.StartOf(moment) - film.StartOf(moment - 1);
-  return Norm(pose.position - visit.poses.back().position) <= kJumpSpeed * seconds;
+bool Continues(const VehicleVisit& visit, size_t moment, const SocialVehicle& vehicle) {
+  return visit.first + visit.poses.size() == moment && visit.trip == vehicle.trip;
 }
 
 }  // namespace
@@ -28,8 +23,14 @@ std::vector<VehicleVisit> FindVisits(const Film& film) {
   for (size_t i = 0; i < film.size(); ++i) {
     for (const SocialVehicle& vehicle : film[i].world.vehicles) {
       std::vector<VehicleVisit>& visits = by_vehicle[vehicle.id];
-      if (visits.empty() || !Continues(visits.back(), film, i, vehicle.pose)) {
-        visits.push_back({.vehicle = vehicle.id, .first = i, .poses = {}, .weights = {}});
+      if (visits.empty() || !Continues(visits.back(), i, vehicle)) {
+        visits.push_back({.vehicle = vehicle.id,
+                          .trip = vehicle.trip,
+                          .length_m = vehicle.length_m,
+                          .width_m = vehicle.width_m,
+                          .first = i,
+                          .poses = {},
+                          .weights = {}});
       }
       visits.back().poses.push_back(vehicle.pose);
       visits.back().weights.push_back(AttentionOf(film[i], vehicle.id));

@@ -11,9 +11,6 @@ namespace {
 
 constexpr int kVehicleFeatures = ObservationSpec::kVehicleFeatures;
 constexpr int kEgoFeatures = ObservationSpec::kEgoFeatures;
-// No vehicle is this fast; a vehicle that looped has come farther.
-constexpr double kJumpSpeed = 30.0;  // m/s: 15 m in half a second
-
 void WriteAbsent(float* row, int features) {
   std::fill_n(row, features, 0.0f);
   row[0] = 1.0f;
@@ -72,15 +69,14 @@ void History::SelectNearest() {
 }
 
 void History::WriteVehicleRows(const SocialVehicle& now, const Frame& frame, float* rows) const {
-  const double jump = kJumpSpeed * kStepSeconds * config_.history_stride;
   const SocialVehicle* later = &now;
   for (int row = config_.history - 1; row >= 0; --row) {
     float* out = rows + row * kVehicleFeatures;
     if (later != nullptr && row < config_.history - 1) {
       const Scene* scene = At((config_.history - 1 - row) * config_.history_stride);
       const SocialVehicle* earlier = scene != nullptr ? Find(scene->vehicles, now.id) : nullptr;
-      const bool jumped = earlier != nullptr && Norm(later->pose.position - earlier->pose.position) > jump;
-      later = jumped ? nullptr : earlier;
+      const bool looped = earlier != nullptr && earlier->trip != now.trip;
+      later = looped ? nullptr : earlier;
     }
     if (later == nullptr) {
       WriteAbsent(out, kVehicleFeatures);

@@ -11,7 +11,7 @@ constexpr double kWindowAhead = 12.0;
 
 }  // namespace
 
-EgoLocation Localizer::Locate(const Pose& ego) {
+EgoLocation Localizer::Locate(const Pose& ego, double elevation_m) {
   const Polyline& centre = route_.centre();
   route_s_ = started_ ? centre
                             .Project(ego.position, std::max(0.0, route_s_ - kWindowBehind),
@@ -23,7 +23,7 @@ EgoLocation Localizer::Locate(const Pose& ego) {
   EgoLocation location;
   location.route_s = route_s_;
   location.remaining = std::clamp(1.0 - route_s_ / centre.length(), 0.0, 1.0);
-  location.nearest = map_.NearestLane(ego.position, ego.heading, kLaneSearchRadius);
+  location.nearest = map_.NearestLane(ego.position, ego.heading, kLaneSearchRadius, elevation_m);
   if (location.nearest && location.nearest->distance <= kOnLaneDistance) {
     const Lane& lane = map_.lanes()[static_cast<size_t>(location.nearest->lane)];
     location.lane_index = lane.index;

@@ -32,7 +32,8 @@ class Localizer {
 
   // An episode starts: the next Locate may be anywhere on the route.
   void Reset() { started_ = false; }
-  EgoLocation Locate(const Pose& ego);
+  // `elevation_m`: of the road under the ego.
+  EgoLocation Locate(const Pose& ego, double elevation_m = 0.0);
 
  private:
   const RoadMap& map_;

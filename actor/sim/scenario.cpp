@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "actor/sim/sumo_options.h"
 #include "common/config/config_schema.h"
 
 namespace dadrl {
@@ -148,15 +149,34 @@ void CheckBraking(const Section& profile) {
                                 profile.Name("driver"), emergency, decel));
 }
 
-ProfileSettings ReadProfile(const Section& profiles, const std::string& name) {
+// What stands under `sumo`, names and files as SUMO is given them.
+ProfileSettings::Options ReadOptions(const Section& profile, const fs::path& folder) {
+  ProfileSettings::Options options;
+  for (auto& [given, value] : profile.Pairs("sumo")) {
+    const YAML::Mark mark = profile.Get("sumo").Mark();
+    const Result<std::string> name = ScenarioOption(given);
+    if (!name) throw BadScenario(mark, fmt::format("'{}': {}", profile.Name("sumo"), name.error().message));
+    if (*name == kRouteFiles || *name == kAdditionalFiles) {
+      const Result<std::string> files = FilesFrom(folder, value);
+      if (!files)
+        throw BadScenario(mark,
+                          fmt::format("'{}.{}': {}", profile.Name("sumo"), given, files.error().message));
+      value = *files;
+    }
+    options.emplace_back(*name, std::move(value));
+  }
+  return options;
+}
+
+ProfileSettings ReadProfile(const Section& profiles, const std::string& name, const fs::path& folder) {
   const Section section(profiles.Get(name), profiles.Name(name), {"driver", "sumo"});
-  ProfileSettings settings{section.Pairs("sumo"), section.Pairs("driver")};
+  ProfileSettings settings{ReadOptions(section, folder), section.Pairs("driver")};
   CheckBraking(section);
   return settings;
 }
 
-// `network` is set to the name of the folder whose network is used.
-Scenario ReadScenario(const YAML::Node& root, std::string& network) {
+// `folder`: of the file. `network` is set to the name of the folder whose network is used.
+Scenario ReadScenario(const YAML::Node& root, const fs::path& folder, std::string& network) {
   const Section top(root, "", {"network", "warm_up_s", "ego", "traffic", "profiles"});
   Scenario scenario;
   if (top.Has("network")) network = top.Get("network").as<std::string>();
@@ -170,8 +190,8 @@ Scenario ReadScenario(const YAML::Node& root, std::string& network) {
   if (!flows.IsSequence()) throw BadScenario(flows.Mark(), "'traffic.flows' must be a list");
   for (const YAML::Node& flow : flows) scenario.flows.push_back(ReadFlow(flow, scenario.flows.size()));
   const Section profiles(top.Get("profiles"), "profiles", {"calibrated", "plain"});
-  scenario.calibrated = ReadProfile(profiles, "calibrated");
-  scenario.plain = ReadProfile(profiles, "plain");
+  scenario.calibrated = ReadProfile(profiles, "calibrated", folder);
+  scenario.plain = ReadProfile(profiles, "plain", folder);
   return scenario;
 }
 
@@ -213,7 +233,7 @@ Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) 
   const fs::path file = directory / name / kScenarioFile;
   try {
     std::string network(name);
-    Scenario scenario = ReadScenario(YAML::LoadFile(file), network);
+    Scenario scenario = ReadScenario(YAML::LoadFile(file), file.parent_path(), network);
     scenario.name = name;
     scenario.network = directory / network / kNetworkFile;
     if (!fs::exists(scenario.network)) {

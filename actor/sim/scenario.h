@@ -32,8 +32,10 @@ constexpr double kDriverEmergencyDecel = 9.0;
 
 // What a traffic profile changes: SUMO options (name, value) and attributes of every driver type.
 struct ProfileSettings {
-  std::vector<std::pair<std::string, std::string>> sumo_options;
-  std::vector<std::pair<std::string, std::string>> driver_attributes;
+  using Options = std::vector<std::pair<std::string, std::string>>;
+
+  Options sumo_options;
+  Options driver_attributes;
 };
 
 struct Scenario {

@@ -34,13 +34,13 @@ auto Guard(std::string_view doing, Function function) -> decltype(function()) {
   }
 }
 
-Result<ScenarioPlan> LoadPlan(const Scenario& scenario) {
+Result<ScenarioPlan> LoadPlan(const Scenario& scenario, TrafficProfile profile) {
   return Guard("loading " + scenario.network.string(), [&]() -> Result<ScenarioPlan> {
     libsumo::Simulation::load({"--net-file", scenario.network.string(), "--xml-validation", "never",
                                "--xml-validation.net", "never", "--no-step-log", "true", "--no-warnings",
                                "true"});
     if (!libsumo::Simulation::isLoaded()) return Fail(ErrorCode::kInternal, "SUMO loaded no network");
-    return PlanScenario(scenario);
+    return PlanScenario(scenario, profile);
   });
 }
 
@@ -68,10 +68,13 @@ class Simulation::Impl {
  private:
   EgoTraffic EgoAsTraffic() const;
   Status StepAndRead();
+  // Leaves out who drives above or below the ego.
+  Status ReadTraffic();
   Status SpawnEgo();
   bool StartIsFree() const;
   void AddDrivenEgo();
   Status AddSumoEgo();
+  void MoveEgo(const EgoState& ego);
   void FollowSumoEgo();
 
   const Scenario scenario_;
@@ -115,17 +118,28 @@ Status Simulation::Impl::Reset(uint64_t seed) {
 
 Status Simulation::Impl::StepAndRead() {
   traffic_.Step();
-  return traffic_.Read(world_.vehicles);
+  return ReadTraffic();
+}
+
+Status Simulation::Impl::ReadTraffic() {
+  DADRL_RETURN_IF_ERROR(traffic_.Read(world_.vehicles));
+  std::erase_if(world_.vehicles, [&](const SocialVehicle& vehicle) {
+    return !OnOneLevel(vehicle.elevation_m - world_.ego.elevation_m,
+                       Norm(vehicle.pose.position - world_.ego.pose.position));
+  });
+  return {};
 }
 
 bool Simulation::Impl::StartIsFree() const {
   return std::none_of(world_.vehicles.begin(), world_.vehicles.end(), [&](const SocialVehicle& vehicle) {
-    return Norm(vehicle.pose.position - plan_.start_front) < kVehicleLength;
+    return Norm(vehicle.pose.position - plan_.start_front) < (vehicle.length_m + kVehicleLength) / 2.0;
   });
 }
 
 Status Simulation::Impl::SpawnEgo() {
-  DADRL_RETURN_IF_ERROR(traffic_.Read(world_.vehicles));
+  world_.ego.pose = plan_.start;
+  world_.ego.elevation_m = plan_.start_elevation_m;
+  DADRL_RETURN_IF_ERROR(ReadTraffic());
   for (int waited = 0; !StartIsFree(); ++waited) {
     if (waited == options_.spawn_limit_steps) {
       return Fail(ErrorCode::kUnavailable, "scenario '{}': the ego's start stayed blocked for {:.0f} s",
@@ -141,7 +155,6 @@ Status Simulation::Impl::SpawnEgo() {
 void Simulation::Impl::AddDrivenEgo() {
   const Lane& lane = plan_.map.lanes()[static_cast<size_t>(plan_.route.lanes().front())];
   traffic_.AddDrivenEgo();
-  world_.ego.pose = plan_.start;
   world_.ego.speed_mps = world_.ego.velocity_lon = std::min(lane.speed_limit, options_.max_speed_mps);
 }
 
@@ -170,7 +183,7 @@ Status Simulation::Impl::Step(const EgoState* ego) {
   }
   episode_runs_ = false;
   DADRL_RETURN_IF_ERROR(Guard("in a step", [&]() -> Status {
-    if (ego != nullptr) MoveInSumo(kEgoId, ego->pose, ego->speed_mps);
+    if (ego != nullptr) MoveEgo(*ego);
     DADRL_RETURN_IF_ERROR(StepAndRead());
     const bool left_at_its_goal = ego == nullptr && traffic_.ego_arrived();
     if (!traffic_.ego_in_network() && !left_at_its_goal) {
@@ -179,7 +192,9 @@ Status Simulation::Impl::Step(const EgoState* ego) {
     if (ego == nullptr) {
       FollowSumoEgo();
     } else {
+      const double elevation = world_.ego.elevation_m;
       world_.ego = *ego;
+      world_.ego.elevation_m = elevation;
     }
     return {};
   }));
@@ -188,9 +203,27 @@ Status Simulation::Impl::Step(const EgoState* ego) {
   return {};
 }
 
+void Simulation::Impl::MoveEgo(const EgoState& ego) {
+  if (!plan_.map.has_levels()) {
+    MoveInSumo(kEgoId, ego.pose, ego.speed_mps);
+    return;
+  }
+  // From a bridge one does not get onto the road below.
+  const auto under =
+      plan_.map.NearestLane(ego.pose.position, ego.pose.heading, kVehicleLength, world_.ego.elevation_m);
+  if (!under) {
+    MoveInSumo(kEgoId, ego.pose, ego.speed_mps);
+    return;
+  }
+  const Lane& lane = plan_.map.lanes()[static_cast<size_t>(under->lane)];
+  MoveInSumo(kEgoId, ego.pose, ego.speed_mps, lane.edge, lane.index);
+  world_.ego.elevation_m = under->elevation;
+}
+
 void Simulation::Impl::FollowSumoEgo() {
   EgoState now = world_.ego;
   if (traffic_.ego_in_network()) {
+    if (plan_.map.has_levels()) now.elevation_m = ElevationFromSumo(kEgoId);
     now.pose = PoseFromSumo(kEgoId);
     now.speed_mps = now.velocity_lon = libsumo::Vehicle::getSpeed(kEgoId);
   } else {
@@ -212,7 +245,7 @@ Result<std::unique_ptr<Simulation>> Simulation::Create(const Scenario& scenario,
   DADRL_ASSIGN_OR_RETURN(MemoryFile route_file, MemoryFile::Create("dadrl-traffic"));
   DADRL_ASSIGN_OR_RETURN(StderrCapture complaints, StderrCapture::Start());
   Status created;
-  if (auto plan = LoadPlan(scenario)) {
+  if (auto plan = LoadPlan(scenario, options.profile)) {
     simulation->impl_ = std::make_unique<Impl>(scenario, options, std::move(route_file), std::move(*plan));
     created = simulation->impl_->TryTraffic();
   } else {

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "actor/sim/sumo_options.h"
 #include "actor/sim/sumo_pose.h"
 
 namespace dadrl {
@@ -17,15 +18,17 @@ enum SeedStream : uint64_t { kDriverStream, kSumoStream, kLoopStream };
 
 SumoTraffic::SumoTraffic(const Scenario& scenario, const ProfileSettings& profile, const ScenarioPlan& plan,
                          MemoryFile route_file)
-    : scenario_(scenario), profile_(profile), plan_(plan), route_file_(std::move(route_file)) {
-  for (int vehicle = 0; vehicle < scenario_.population(); ++vehicle) ids_.push_back(SocialId(vehicle));
-}
+    : scenario_(scenario),
+      profile_(profile),
+      plan_(plan),
+      route_file_(std::move(route_file)),
+      true_size_(SaysWhatDrives(profile)) {}
 
 std::vector<std::string> SumoTraffic::SumoOptions(uint64_t seed) const {
   // A map, because SUMO refuses an option that is given twice.
   std::map<std::string, std::string> options{
       {"net-file", scenario_.network.string()},
-      {"route-files", route_file_.path()},
+      {kRouteFiles, route_file_.path()},
       {"step-length", fmt::format("{}", kStepSeconds)},
       {"seed", fmt::format("{}", DeriveSeed(seed, kSumoStream) & 0x7fffffff)},
       {"time-to-teleport", "-1"},
@@ -35,7 +38,10 @@ std::vector<std::string> SumoTraffic::SumoOptions(uint64_t seed) const {
       {"xml-validation", "never"},
       {"xml-validation.net", "never"},
   };
-  for (const auto& [name, value] : profile_.sumo_options) options[name] = value;
+  for (const auto& [name, value] : profile_.sumo_options) {
+    const bool more_routes = name == kRouteFiles;
+    options[name] = more_routes ? options[name] + "," + value : value;
+  }
   std::vector<std::string> arguments;
   for (const auto& [name, value] : options) {
     arguments.push_back("--" + name);
@@ -48,7 +54,10 @@ Status SumoTraffic::Load(uint64_t seed, const EgoTraffic& ego) {
   Random driver_random(DeriveSeed(seed, kDriverStream));
   const std::vector<DriverType> types = DrawDriverTypes(scenario_.driver_types, driver_random);
   loop_random_ = Random(DeriveSeed(seed, kLoopStream));
-  in_network_.assign(ids_.size(), false);
+  vehicles_.clear();
+  others_.clear();
+  for (int vehicle = 0; vehicle < scenario_.population(); ++vehicle)
+    vehicles_.push_back({.id = SocialId(vehicle)});
   ego_in_network_ = ego_arrived_ = false;
   DADRL_RETURN_IF_ERROR(route_file_.Write(TrafficXml(scenario_, profile_, types, plan_.lane_end_m, ego)));
   libsumo::Simulation::load(SumoOptions(seed));
@@ -65,42 +74,72 @@ void SumoTraffic::AddDrivenEgo() {
 
 void SumoTraffic::Step() {
   libsumo::Simulation::step();
-  for (const std::string& id : libsumo::Simulation::getDepartedIDList()) {
-    if (id == kEgoId) {
-      ego_in_network_ = true;
-    } else {
-      in_network_[static_cast<size_t>(SocialIndex(id))] = true;
-    }
+  for (const std::string& id : libsumo::Simulation::getDepartedIDList()) Enter(id);
+  for (const std::string& id : libsumo::Simulation::getStartingTeleportIDList()) {
+    if (id != kEgoId) vehicles_[IndexOf(id)].in_network = false;
   }
-  for (const std::string& id : libsumo::Simulation::getArrivedIDList()) {
-    if (id == kEgoId) {
-      ego_in_network_ = false;
-      ego_arrived_ = true;
-    } else {
-      Reenter(SocialIndex(id));
-    }
-  }
+  for (const std::string& id : libsumo::Simulation::getEndingTeleportIDList()) Enter(id);
+  for (const std::string& id : libsumo::Simulation::getArrivedIDList()) Leave(id);
 }
 
-void SumoTraffic::Reenter(int vehicle) {
-  const int flow = vehicle / scenario_.driver_types;
-  const int lanes = plan_.departure_lanes[static_cast<size_t>(flow)];
-  const uint64_t lane = loop_random_.Below(static_cast<uint64_t>(lanes));
-  libsumo::Vehicle::add(ids_[static_cast<size_t>(vehicle)], FlowId(flow),
-                        TypeId(vehicle % scenario_.driver_types), "now", std::to_string(lane), "0", "0");
-  in_network_[static_cast<size_t>(vehicle)] = false;
+size_t SumoTraffic::IndexOf(const std::string& id) {
+  const int social = SocialIndex(id);
+  if (social >= 0 && social < scenario_.population()) return static_cast<size_t>(social);
+  const auto [found, is_new] = others_.try_emplace(id, vehicles_.size());
+  if (is_new) vehicles_.push_back({.id = id});
+  return found->second;
+}
+
+void SumoTraffic::Enter(const std::string& id) {
+  if (id == kEgoId) {
+    ego_in_network_ = true;
+    return;
+  }
+  const size_t index = IndexOf(id);
+  Vehicle& vehicle = vehicles_[index];
+  vehicle.in_network = true;
+  ++vehicle.trip;
+  if (index < static_cast<size_t>(scenario_.population()) && !true_size_) return;
+  vehicle.length_m = libsumo::Vehicle::getLength(id);
+  vehicle.width_m = libsumo::Vehicle::getWidth(id);
+}
+
+void SumoTraffic::Leave(const std::string& id) {
+  if (id == kEgoId) {
+    ego_in_network_ = false;
+    ego_arrived_ = true;
+    return;
+  }
+  const size_t vehicle = IndexOf(id);
+  vehicles_[vehicle].in_network = false;
+  if (vehicle < static_cast<size_t>(scenario_.population())) Reenter(vehicle);
+}
+
+void SumoTraffic::Reenter(size_t vehicle) {
+  const size_t types = static_cast<size_t>(scenario_.driver_types);
+  const std::vector<int>& lanes = plan_.departure_lanes[vehicle / types];
+  const int lane = lanes[loop_random_.Below(lanes.size())];
+  libsumo::Vehicle::add(vehicles_[vehicle].id, FlowId(static_cast<int>(vehicle / types)),
+                        TypeId(static_cast<int>(vehicle % types)), "now", std::to_string(lane), "0", "0");
 }
 
 Status SumoTraffic::Read(std::vector<SocialVehicle>& vehicles) const {
   vehicles.clear();
-  for (size_t vehicle = 0; vehicle < ids_.size(); ++vehicle) {
-    if (!in_network_[vehicle]) continue;
-    const std::string& id = ids_[vehicle];
-    const int lane = libsumo::Vehicle::getLaneIndex(id);
+  for (size_t index = 0; index < vehicles_.size(); ++index) {
+    const Vehicle& vehicle = vehicles_[index];
+    if (!vehicle.in_network) continue;
+    const int lane = libsumo::Vehicle::getLaneIndex(vehicle.id);
     if (lane == libsumo::INVALID_INT_VALUE) {
-      return Fail(ErrorCode::kInternal, "vehicle {} vanished from the traffic", id);
+      return Fail(ErrorCode::kInternal, "vehicle {} vanished from the traffic", vehicle.id);
     }
-    vehicles.push_back({static_cast<int>(vehicle), PoseFromSumo(id), libsumo::Vehicle::getSpeed(id), lane});
+    vehicles.push_back({.id = static_cast<int>(index),
+                        .pose = PoseFromSumo(vehicle.id, vehicle.length_m),
+                        .speed_mps = libsumo::Vehicle::getSpeed(vehicle.id),
+                        .lane_index = lane,
+                        .trip = vehicle.trip,
+                        .length_m = vehicle.length_m,
+                        .width_m = vehicle.width_m,
+                        .elevation_m = plan_.map.has_levels() ? ElevationFromSumo(vehicle.id) : 0.0});
   }
   return {};
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "actor/sim/memory_file.h"
@@ -31,8 +32,8 @@ class SumoTraffic {
   // then on it arrives at the end of whichever lane it is on (paper code).
   void Step();
 
-  // The population now in the network, ordered by id; the rest waits for room to enter.
-  // kInternal: a vehicle vanished.
+  // The vehicles now in the network, ordered by id: the population, and those that the scenario's own files
+  // add. The rest waits for room to enter. kInternal: a vehicle vanished.
   Status Read(std::vector<SocialVehicle>& vehicles) const;
 
   bool ego_in_network() const { return ego_in_network_; }
@@ -41,16 +42,30 @@ class SumoTraffic {
 
  private:
   std::vector<std::string> SumoOptions(uint64_t seed) const;
-  void Reenter(int vehicle);
+  // Of `id`; a vehicle that was never seen before gets the next number.
+  size_t IndexOf(const std::string& id);
+  void Enter(const std::string& id);
+  void Leave(const std::string& id);
+  void Reenter(size_t vehicle);
 
   const Scenario& scenario_;
   const ProfileSettings& profile_;
   const ScenarioPlan& plan_;
   MemoryFile route_file_;
   Random loop_random_{0};
-  std::vector<std::string> ids_;
-  // A vehicle waits before it first enters, and again whenever it has finished its loop.
-  std::vector<bool> in_network_;
+
+  struct Vehicle {
+    std::string id;
+    // False before it first enters, again whenever it has finished its loop, and while SUMO teleports it.
+    bool in_network = false;
+    int trip = 0;
+    double length_m = kVehicleLength;
+    double width_m = kVehicleWidth;
+  };
+  // The population first; then those of the scenario's own files, as they come.
+  std::vector<Vehicle> vehicles_;
+  std::unordered_map<std::string, size_t> others_;  // by id: those after the population
+  bool true_size_ = false;                          // the profile says what the population is
   bool ego_in_network_ = false;
   bool ego_arrived_ = false;
 };

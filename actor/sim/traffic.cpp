@@ -20,6 +20,33 @@ constexpr double kDrivenEgoWidth = 0.001;
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
+std::string Escaped(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+const std::string* Find(const ProfileSettings& profile, std::string_view name) {
+  for (const auto& [key, value] : profile.driver_attributes) {
+    if (key == name) return &value;
+  }
+  return nullptr;
+}
+
 // A later value of the same name replaces the earlier.
 void Set(Attributes& attributes, const std::string& name, std::string value) {
   const auto found = std::find_if(attributes.begin(), attributes.end(),
@@ -32,8 +59,10 @@ void Set(Attributes& attributes, const std::string& name, std::string value) {
 }
 
 void AppendType(std::string& xml, int index, const DriverType& type, const ProfileSettings& profile) {
-  Attributes attributes{{"vClass", "passenger"}, {"length", "5"},      {"width", "1.8"},
-                        {"accel", "2.6"},        {"maxSpeed", "55.5"}, {"speedDev", "0.1"}};
+  Attributes attributes{{"vClass", kCarClass}, {"length", "5"},      {"width", "1.8"},
+                        {"accel", "2.6"},      {"maxSpeed", "55.5"}, {"speedDev", "0.1"}};
+  // Lorries, buses and the like are as SUMO has them.
+  if (VehicleClass(profile) != kCarClass) attributes = {{"speedDev", "0.1"}};
   Set(attributes, "decel", fmt::format("{}", kDriverDecel));
   Set(attributes, "speedFactor", fmt::format("{}", type.speed_factor));
   Set(attributes, "sigma", fmt::format("{}", type.imperfection));
@@ -46,7 +75,7 @@ void AppendType(std::string& xml, int index, const DriverType& type, const Profi
   for (const auto& [name, value] : profile.driver_attributes) Set(attributes, name, value);
   fmt::format_to(std::back_inserter(xml), R"(<vType id="{}")", TypeId(index));
   for (const auto& [name, value] : attributes) {
-    fmt::format_to(std::back_inserter(xml), R"( {}="{}")", name, value);
+    fmt::format_to(std::back_inserter(xml), R"( {}="{}")", name, Escaped(value));
   }
   xml += "/>\n";
 }
@@ -63,7 +92,7 @@ void AppendEgo(std::string& xml, const EgoTraffic& ego) {
                  "\n"
                  R"(<route id="{0}" edges="{3}"/>)"
                  "\n",
-                 kEgoId, kVehicleLength, driver, fmt::join(ego.edges, " "));
+                 kEgoId, kVehicleLength, driver, Escaped(fmt::format("{}", fmt::join(ego.edges, " "))));
 }
 
 }  // namespace
@@ -77,6 +106,16 @@ int SocialIndex(const std::string& id) {
   if (id.size() < 2 || id[0] != 'v') return -1;
   const auto [end, error] = std::from_chars(id.data() + 1, id.data() + id.size(), index);
   return error == std::errc() && end == id.data() + id.size() ? index : -1;
+}
+
+bool SaysWhatDrives(const ProfileSettings& profile) {
+  return Find(profile, "length") != nullptr || Find(profile, "width") != nullptr ||
+         VehicleClass(profile) != kCarClass;
+}
+
+std::string VehicleClass(const ProfileSettings& profile) {
+  const std::string* const given = Find(profile, "vClass");
+  return given == nullptr ? kCarClass : *given;
 }
 
 std::vector<DriverType> DrawDriverTypes(int count, Random& random) {
@@ -104,7 +143,8 @@ std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,
   AppendEgo(xml, ego);
   for (size_t flow = 0; flow < scenario.flows.size(); ++flow) {
     fmt::format_to(std::back_inserter(xml), "<route id=\"{}\" edges=\"{}\"/>\n",
-                   FlowId(static_cast<int>(flow)), fmt::join(scenario.flows[flow].edges, " "));
+                   FlowId(static_cast<int>(flow)),
+                   Escaped(fmt::format("{}", fmt::join(scenario.flows[flow].edges, " "))));
   }
   for (int vehicle = 0; vehicle < scenario.population(); ++vehicle) {
     const int flow_index = vehicle / scenario.driver_types;

@@ -22,6 +22,12 @@ struct DriverType {
   double impatience = 0.0;
 };
 
+// Whether the profile gives the population a class or a size of its own: then vehicles are as long and wide
+// as SUMO has them. Otherwise each is the paper's box (world_state.h).
+bool SaysWhatDrives(const ProfileSettings& profile);
+// SUMO's class of the population: "passenger" unless the profile says otherwise.
+std::string VehicleClass(const ProfileSettings& profile);
+
 std::vector<DriverType> DrawDriverTypes(int count, Random& random);
 
 // How the ego appears to SUMO.

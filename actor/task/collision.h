@@ -9,11 +9,14 @@ namespace dadrl {
 // Boxes this near count as touching (SMARTS).
 constexpr double kContactDistance = 0.05;
 
-// Distance between two kVehicleLength x kVehicleWidth boxes, metres; 0 when they overlap.
-double BoxDistance(const Pose& a, const Pose& b);
+// The ego, or anything of its size, at `pose`.
+inline OrientedBox EgoBox(const Pose& pose) { return {pose, kVehicleLength, kVehicleWidth}; }
+
+// Metres; 0 when they overlap.
+double BoxDistance(const OrientedBox& a, const OrientedBox& b);
 
 // True when BoxDistance(a, b) <= clearance; cheap for boxes that are far apart.
-bool BoxesWithin(const Pose& a, const Pose& b, double clearance);
+bool BoxesWithin(const OrientedBox& a, const OrientedBox& b, double clearance);
 
 // True when the ego touches any vehicle.
 bool EgoTouchesAny(const WorldState& world);

@@ -11,6 +11,7 @@
 namespace dadrl {
 namespace {
 
+// Of the ego.
 constexpr double kHalfLength = kVehicleLength / 2;
 constexpr double kHalfWidth = kVehicleWidth / 2;
 // Farther off the lane's heading a vehicle crosses it, it does not drive along it.
@@ -34,13 +35,15 @@ std::vector<Point> Clip(const std::vector<Point>& polygon, Point normal, double 
 
 // The middle of what `other` shares with the ego's box, in the ego's frame. Boxes that touch without
 // overlapping share something once the ego's is as much larger as touching allows.
-Point ContactPoint(const Pose& ego, const Pose& other) {
+Point ContactPoint(const Pose& ego, const OrientedBox& other) {
+  const double half_length = other.length / 2;
+  const double half_width = other.width / 2;
+  const Point ahead = Forward(other.pose.heading);
+  const Point left{-ahead.y, ahead.x};
   std::vector<Point> shared;
-  for (const Point corner : {Point{kHalfLength, kHalfWidth}, Point{-kHalfLength, kHalfWidth},
-                             Point{-kHalfLength, -kHalfWidth}, Point{kHalfLength, -kHalfWidth}}) {
-    const Point ahead = Forward(other.heading);
-    const Point left{-ahead.y, ahead.x};
-    shared.push_back(ToLocal(ego, other.position + corner.x * ahead + corner.y * left));
+  for (const Point corner : {Point{half_length, half_width}, Point{-half_length, half_width},
+                             Point{-half_length, -half_width}, Point{half_length, -half_width}}) {
+    shared.push_back(ToLocal(ego, other.pose.position + corner.x * ahead + corner.y * left));
   }
   for (const double sign : {1.0, -1.0}) {
     shared = Clip(shared, {sign, 0}, kHalfLength + kContactDistance);
@@ -63,7 +66,7 @@ const SocialVehicle* NearestTouched(const WorldState& world) {
   const SocialVehicle* nearest = nullptr;
   double distance = std::numeric_limits<double>::infinity();
   for (const SocialVehicle& vehicle : world.vehicles) {
-    if (!BoxesWithin(world.ego.pose, vehicle.pose, kContactDistance)) continue;
+    if (!BoxesWithin(EgoBox(world.ego.pose), vehicle.box(), kContactDistance)) continue;
     const double centres = Norm(vehicle.pose.position - world.ego.pose.position);
     if (centres >= distance) continue;
     distance = centres;
@@ -86,10 +89,11 @@ std::optional<CollisionSummary> DescribeCollision(const WorldState& world, const
   if (other == nullptr) return std::nullopt;
   const Pose& ego = world.ego.pose;
   const bool ego_leaves = LeavesItsLane(ego, location.nearest, map);
-  const auto other_nearest = map.NearestLane(other->pose.position, other->pose.heading, kLaneSearchRadius);
+  const auto other_nearest =
+      map.NearestLane(other->pose.position, other->pose.heading, kLaneSearchRadius, other->elevation_m);
   const bool other_leaves = LeavesItsLane(other->pose, other_nearest, map);
   CollisionSummary collision;
-  collision.side = SideOf(ContactPoint(ego, other->pose));
+  collision.side = SideOf(ContactPoint(ego, other->box()));
   collision.ego_speed_mps = world.ego.speed_mps;
   collision.other_speed_mps = other->speed_mps;
   collision.relative_heading_rad = WrapAngle(other->pose.heading - ego.heading);

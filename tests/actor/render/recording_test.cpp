@@ -55,7 +55,7 @@ TEST(RecordEpisode, KnowsWhoWasHit) {
   const auto hit = std::find_if(last.vehicles.begin(), last.vehicles.end(),
                                 [&](const auto& vehicle) { return vehicle.id == *recording->collided_with; });
   ASSERT_NE(hit, last.vehicles.end());
-  EXPECT_TRUE(BoxesWithin(last.ego.pose, hit->pose, kContactDistance));
+  EXPECT_TRUE(BoxesWithin(EgoBox(last.ego.pose), hit->box(), kContactDistance));
   EXPECT_EQ(OutcomeSentence(*recording), fmt::format("collision with car {} at {:.1f} s", hit->id,
                                                      recording->summary.steps * kStepSeconds));
 }

@@ -115,8 +115,9 @@ TEST_F(HistoryTest, EqualDistancesAreOrderedById) {
 TEST_F(HistoryTest, AVehicleThatLoopedLosesItsOlderRows) {
   for (int step = 0; step <= 20; ++step) {
     WorldState world = test::WorldWithEgo(100, 0);
-    // Until step 12 at x = 125, then it starts anew 17 m back, where it left.
-    world.vehicles = {test::Vehicle(1, step < 13 ? 125.0 : 108.0, 0, 0, 5)};
+    // Until step 12 at x = 125, then it starts anew, near where it left.
+    world.vehicles = {test::Vehicle(1, step < 13 ? 125.0 : 120.0, 0, 0, 5)};
+    world.vehicles.front().trip = step < 13 ? 1 : 2;
     Push(world);
   }
   ReadVehicles();
@@ -135,10 +136,10 @@ TEST_F(HistoryTest, AVehicleThatWasAwayHasNoRowsBeforeThat) {
   EXPECT_FALSE(Absent(0, 3));
 }
 
-TEST_F(HistoryTest, AFastVehicleThatDidNotLoopKeepsItsRows) {
+TEST_F(HistoryTest, HoweverFastAVehicleIsItKeepsItsRows) {
   for (int step = 0; step <= 20; ++step) {
     WorldState world = test::WorldWithEgo(100, 0);
-    world.vehicles = {test::Vehicle(1, 70 + 2.9 * step, 0)};
+    world.vehicles = {test::Vehicle(1, 20 + 4.0 * step, 0, 0.0, 40.0)};
     Push(world);
   }
   ReadVehicles();

@@ -13,41 +13,56 @@ namespace dadrl {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
-const Pose kEgo{{0, 0}, 0.0};
+const OrientedBox kEgo = EgoBox({{0, 0}, 0.0});
+
+OrientedBox At(double x, double y, double heading) { return EgoBox({{x, y}, heading}); }
 
 // 3.68 x 1.47: bumper to bumper the centres are 3.68 apart, side to side 1.47, across 1.84 + 0.735 = 2.575.
 TEST(BoxDistance, ParallelAndCrossedBoxesMatchArithmetic) {
-  EXPECT_NEAR(BoxDistance(kEgo, {{5.0, 0}, 0.0}), 5.0 - 3.68, 1e-12);
-  EXPECT_NEAR(BoxDistance(kEgo, {{5.0, 1.0}, std::numbers::pi}), 5.0 - 3.68, 1e-12);
-  EXPECT_NEAR(BoxDistance(kEgo, {{1.0, 2.0}, 0.0}), 2.0 - 1.47, 1e-12);
-  EXPECT_NEAR(BoxDistance(kEgo, {{4.0, 0}, kQuarter}), 4.0 - 2.575, 1e-12);
-  EXPECT_NEAR(BoxDistance(kEgo, {{3.68 + 3.0, 1.47 + 4.0}, 0.0}), 5.0, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(5.0, 0, 0.0)), 5.0 - 3.68, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(5.0, 1.0, std::numbers::pi)), 5.0 - 3.68, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(1.0, 2.0, 0.0)), 2.0 - 1.47, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(4.0, 0, kQuarter)), 4.0 - 2.575, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(3.68 + 3.0, 1.47 + 4.0, 0.0)), 5.0, 1e-12);
 }
 
 TEST(BoxDistance, ACornerPointingAtASideIsMeasuredToTheSide) {
   // A box turned by 45 degrees above the ego: its lowest corner is (1.84 + 0.735) / sqrt(2) under its centre.
   const double reach = (1.84 + 0.735) / std::numbers::sqrt2;
-  EXPECT_NEAR(BoxDistance(kEgo, {{0.2, 4.0}, std::numbers::pi / 4}), 4.0 - reach - 0.735, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, At(0.2, 4.0, std::numbers::pi / 4)), 4.0 - reach - 0.735, 1e-12);
 }
 
 TEST(BoxDistance, BoxesCrossingWithoutCornersInsideOverlap) {
-  EXPECT_EQ(BoxDistance(kEgo, {{0, 0}, kQuarter}), 0.0);
-  EXPECT_EQ(BoxDistance(kEgo, {{0.3, 0.2}, 1.0}), 0.0);
+  EXPECT_EQ(BoxDistance(kEgo, At(0, 0, kQuarter)), 0.0);
+  EXPECT_EQ(BoxDistance(kEgo, At(0.3, 0.2, 1.0)), 0.0);
   EXPECT_EQ(BoxDistance(kEgo, kEgo), 0.0);
+}
+
+// 16.5 x 2.5 beside 3.68 x 1.47: bumper to bumper 10.09 between the centres, side to side 1.985.
+TEST(BoxDistance, ALorryReachesAsFarAsItIsLongAndWide) {
+  const OrientedBox lorry{{{20.0, 0}, std::numbers::pi}, 16.5, 2.5};
+  EXPECT_NEAR(BoxDistance(kEgo, lorry), 20.0 - 10.09, 1e-12);
+  EXPECT_NEAR(BoxDistance(kEgo, {{{5.0, 3.0}, 0.0}, 16.5, 2.5}), 3.0 - 1.985, 1e-12);
+  EXPECT_TRUE(BoxesWithin(kEgo, {{{10.0, 0}, 0.0}, 16.5, 2.5}, 0.0));
 }
 
 TEST(BoxDistance, IsSymmetricAndAgreesWithSampledOutlines) {
   Random random(3);
-  const auto outline = [](const Pose& box, int i) {
+  const auto outline = [](const OrientedBox& box, int i) {
     constexpr int kSide = 200;
     const double t = 2.0 * (i % kSide) / kSide - 1.0;
     const double sign = i / kSide % 2 == 0 ? 1.0 : -1.0;
-    const Point local = i < 2 * kSide ? Point{sign * 1.84, t * 0.735} : Point{t * 1.84, sign * 0.735};
-    return test::Moved(local, box.heading, box.position);
+    const Point unit = i < 2 * kSide ? Point{sign, t} : Point{t, sign};
+    return test::Moved({unit.x * box.length / 2, unit.y * box.width / 2}, box.pose.heading,
+                       box.pose.position);
+  };
+  const auto draw = [&] {
+    const Pose pose{{random.Uniform(-3, 3), random.Uniform(-3, 3)}, random.Uniform(-4, 4)};
+    return OrientedBox{pose, random.Uniform(1, 5), random.Uniform(0.5, 2)};
   };
   for (int trial = 0; trial < 15; ++trial) {
-    const Pose a{{random.Uniform(-3, 3), random.Uniform(-3, 3)}, random.Uniform(-4, 4)};
-    const Pose b{{random.Uniform(-3, 3), random.Uniform(-3, 3)}, random.Uniform(-4, 4)};
+    const OrientedBox a = draw();
+    const OrientedBox b = draw();
     const double distance = BoxDistance(a, b);
     EXPECT_NEAR(distance, BoxDistance(b, a), 1e-12);
     if (distance == 0.0) continue;
