@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "common/util/log.h"
+#include "proto/experience_bounds.h"
 
 namespace dadrl {
 namespace {
@@ -34,7 +35,8 @@ Result<std::unique_ptr<BatchFetcher<Batch>>> BatchFetcher<Batch>::Create(
                          dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.replies,
                          dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
-  DADRL_ASSIGN_OR_RETURN(endpoints.priorities, PrioritySender::Create(node));
+  DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
+                         PrioritySender::Create(node, ExperienceBounds::From(config).priority));
   return std::unique_ptr<BatchFetcher<Batch>>(
       new BatchFetcher(std::move(endpoints), config, incarnation, std::move(newest_version), options));
 }

@@ -1,6 +1,7 @@
 #include "learner/checkpoint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -9,6 +10,7 @@
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
+#include "learner/version_reserve.h"
 
 namespace dadrl {
 namespace {
@@ -86,6 +88,14 @@ bool DecodeBody(ByteReader& reader, uint32_t blocks, Checkpoint& checkpoint) {
     checkpoint.blocks[i].bytes.assign(bytes.begin(), bytes.end());
   }
   return reader.ok() && reader.remaining() == 0;
+}
+
+// Numbers that a training can have come to.
+bool IsPossible(const Checkpoint& checkpoint) {
+  constexpr double kLongest = 1e12;  // s
+  return checkpoint.trained_s >= 0.0 && checkpoint.trained_s <= kLongest &&
+         checkpoint.weights_version <= kMaxWeightsVersion &&
+         std::ranges::all_of(checkpoint.policy, [](float value) { return std::isfinite(value); });
 }
 
 bool ShapesNetworks(const std::string& key) {
@@ -168,7 +178,7 @@ Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
   }
   Checkpoint checkpoint;
   ByteReader body(content.subspan(kHeadBytes));
-  if (!DecodeBody(body, blocks, checkpoint)) return Damaged(path, "contents");
+  if (!DecodeBody(body, blocks, checkpoint) || !IsPossible(checkpoint)) return Damaged(path, "contents");
   return checkpoint;
 }
 

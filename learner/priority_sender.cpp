@@ -1,14 +1,16 @@
 #include "learner/priority_sender.h"
 
+#include <algorithm>
+
 namespace dadrl {
 
-Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node) {
+Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node, double most) {
   DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
-  return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer)));
+  return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer), most));
 }
 
-PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer)
-    : writer_(std::move(writer)), messages_(kMessages) {
+PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, double most)
+    : writer_(std::move(writer)), most_(static_cast<float>(most)), messages_(kMessages) {
   for (Message& message : messages_) {
     Message* free = &message;
     static_cast<void>(free_.TryPush(free));  // has room for all
@@ -30,7 +32,9 @@ void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::s
   }
   (*message)->shard = shard;
   (*message)->keys.assign(keys.begin(), keys.end());
-  (*message)->priorities.assign(priorities.begin(), priorities.end());
+  std::vector<float>& bounded = (*message)->priorities;
+  bounded.assign(priorities.begin(), priorities.end());
+  for (float& priority : bounded) priority = std::min(priority, most_);
   Message* filled = *message;
   static_cast<void>(filled_.TryPush(filled));  // has room for all
 }

@@ -16,10 +16,11 @@
 
 namespace dadrl {
 
-// Owns its thread and a few buffers that it reuses. Send: one thread.
+// Owns its thread and a few buffers that it reuses. Send: one thread. A priority above `most`, which no
+// replay believes (ExperienceBounds), is sent as that.
 class PrioritySender {
  public:
-  static Result<std::unique_ptr<PrioritySender>> Create(const dds::Node& node);
+  static Result<std::unique_ptr<PrioritySender>> Create(const dds::Node& node, double most);
   ~PrioritySender();
 
   // Copies both; `keys` and `priorities` are equally long. Dropped and counted when the sender is behind:
@@ -36,10 +37,11 @@ class PrioritySender {
   };
   static constexpr size_t kMessages = 8;
 
-  explicit PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer);
+  PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, double most);
   void Run();
 
   std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer_;
+  const float most_;
   std::vector<Message> messages_;
   BoundedQueue<Message*> free_{kMessages};
   BoundedQueue<Message*> filled_{kMessages};

@@ -37,6 +37,7 @@ UpdateStats Scaled(const UpdateStats& sum, double factor) {
 Trainer::Trainer(const Config& config, const Parts& parts, const TrainingProgress& progress)
     : config_(config),
       config_yaml_(ToYaml(config, false)),
+      guard_(config),
       parts_(parts),
       ledger_(parts.clock),
       started_(parts.clock.Now()),
@@ -73,6 +74,10 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     return tl::unexpected<Error>(std::move(stats.error()));
   }
   ++updates_;
+  if (Status sound = guard_.Check(*stats, updates_); !sound) {
+    parts_.batches.Release(batch);
+    return tl::unexpected<Error>(std::move(sound.error()));
+  }
   {
     MutexLock lock(mutex_);
     AddTo(sum_, *stats);

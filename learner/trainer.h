@@ -16,6 +16,7 @@
 #include "learner/algorithms/algorithm.h"
 #include "learner/batch_source.h"
 #include "learner/checkpoint_writer.h"
+#include "learner/divergence.h"
 #include "learner/policy_publisher.h"
 #include "learner/staleness.h"
 
@@ -57,7 +58,8 @@ class Trainer {
   enum class Step { kNoBatch, kUpdated };
   // Waits for a batch, at most `timeout`, and trains on it; publishes and checkpoints when due. The first
   // policy is published after the first update (actors drive at random until then), a resumed one at once.
-  // Errors: what Algorithm::Update and BatchSource::status say; nothing is published or saved from then on.
+  // Errors: what Algorithm::Update, DivergenceGuard and BatchSource::status say; nothing is published or
+  // saved from then on.
   Result<Step> RunStep(Duration timeout);
 
   // Steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for it. Returns why it
@@ -88,6 +90,7 @@ class Trainer {
 
   const Config config_;
   const std::string config_yaml_;
+  const DivergenceGuard guard_;
   Parts parts_;
   TimeLedger ledger_;
   const TimePoint started_;

@@ -20,12 +20,13 @@ Result<VersionReserve> VersionReserve::Open(const std::filesystem::path& directo
   if (!text) return tl::unexpected<Error>(text.error());
   uint32_t highest = 0;
   const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), highest);
-  if (error != std::errc() || std::string_view(end, text->data() + text->size()) != "\n") {
+  const bool ends = std::string_view(end, text->data() + text->size()) == "\n";
+  if (error != std::errc() || !ends || highest > kMaxWeightsVersion) {
     return Fail(
         ErrorCode::kCorrupt,
         "{} does not hold a version: write a number into it that is larger than every weights version of "
-        "the run",
-        path.string());
+        "the run, and at most {}",
+        path.string(), kMaxWeightsVersion);
   }
   return VersionReserve(path, highest);
 }

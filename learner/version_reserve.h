@@ -9,6 +9,9 @@
 
 namespace dadrl {
 
+// A file or a checkpoint that claims more is damaged: numbers must not run out and begin anew.
+constexpr uint32_t kMaxWeightsVersion = uint32_t{1} << 31;
+
 // Reserves versions in small blocks, so that a file is written once in many broadcasts. Not thread safe.
 class VersionReserve {
  public:

@@ -27,7 +27,8 @@ ExperienceBounds ExperienceBounds::From(const Config& config) {
   ExperienceBounds bounds;
   bounds.reward = kRounding * LargestReward(config.task);
   const double left = 1.0 - config.algorithm.gamma;
-  bounds.value = bounds.reward * (left * kLongestHorizon > 1.0 ? 1.0 / left : kLongestHorizon);
+  bounds.horizon = left * kLongestHorizon > 1.0 ? 1.0 / left : kLongestHorizon;
+  bounds.value = bounds.reward * bounds.horizon;
   bounds.priority = 2.0 * bounds.value;
   return bounds;
 }

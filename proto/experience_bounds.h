@@ -16,6 +16,7 @@ constexpr double kSlowestLimit = 1.0;  // m/s
 
 struct ExperienceBounds {
   double reward = 0.0;    // |reward| of a decision
+  double horizon = 0.0;   // decisions that count towards a value
   double value = 0.0;     // |discounted sum of rewards| from any state on
   double priority = 0.0;  // of an item: the error between two such values
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <span>
@@ -93,12 +94,21 @@ Status WriteStrip(const Recording& recording, const RenderOptions& options, cons
   return WriteFileAtomically(file, png);
 }
 
+// frame-0123.svg, of at least four digits: no other name is ours.
+bool IsFrame(std::string_view name) {
+  const std::string_view prefix = kFramePrefix;
+  const std::string_view suffix = ".svg";
+  if (!name.starts_with(prefix) || !name.ends_with(suffix)) return false;
+  if (name.size() < prefix.size() + 4 + suffix.size()) return false;
+  const std::string_view number = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  return std::ranges::all_of(number, [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
 // Those of an earlier, longer episode would be taken for this one's.
 Status RemoveOldFrames(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with(kFramePrefix) && name.ends_with(".svg")) fs::remove(entry.path(), error);
+    if (IsFrame(entry.path().filename().string())) fs::remove(entry.path(), error);
     if (error) break;
   }
   if (!error) return {};

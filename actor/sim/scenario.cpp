@@ -1,14 +1,19 @@
 #include "actor/sim/scenario.h"
 
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <system_error>
 
 #include "actor/sim/sumo_options.h"
 #include "common/config/config_schema.h"
+#include "common/config/yaml_document.h"
+#include "common/util/environment.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -21,61 +26,64 @@ constexpr const char* kNetworkFile = "network.net.xml";
 // A fault of the file: where, and what is expected there. Becomes a value in LoadScenario.
 class BadScenario : public std::runtime_error {
  public:
-  BadScenario(const YAML::Mark& mark, std::string_view what)
-      : std::runtime_error(mark.is_null() ? std::string(what)
-                                          : fmt::format("line {}: {}", mark.line + 1, what)) {}
+  BadScenario(int line, std::string_view what) : std::runtime_error(fmt::format("{}: {}", line, what)) {}
 };
 
-// A map of the file with its dotted name; refuses keys that are not in `known`.
+// The value as a number; nothing when it is none.
+std::optional<double> AsNumber(const YamlNode& node) {
+  double number = 0.0;
+  const char* const end = node.text.data() + node.text.size();
+  const auto [at, error] = std::from_chars(node.text.data(), end, number);
+  if (!node.IsScalar() || error != std::errc() || at != end || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+// A map of the file with its dotted name; refuses keys that are not in `known`. Borrows the node.
 class Section {
  public:
-  Section(YAML::Node node, std::string name, const std::vector<std::string>& known)
-      : node_(std::move(node)), name_(std::move(name)) {
+  Section(const YamlNode& node, std::string name, const std::vector<std::string>& known)
+      : node_(node), name_(std::move(name)) {
     if (!node_.IsMap()) {
-      throw BadScenario(node_.Mark(), fmt::format("'{}' must hold 'key: value' lines", name_));
+      throw BadScenario(node_.line, fmt::format("'{}' must hold 'key: value' lines", name_));
     }
-    for (const auto& entry : node_) {
-      const std::string key = entry.first.Scalar();
-      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      throw BadScenario(entry.first.Mark(), fmt::format("unknown key '{}'; the nearest is '{}'", Name(key),
-                                                        Name(NearestName(key, known))));
+    for (const YamlEntry& entry : node_.entries) {
+      if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+      throw BadScenario(entry.line, fmt::format("unknown key '{}'; the nearest is '{}'",
+                                                Name(Shown(entry.key)), Name(NearestName(entry.key, known))));
     }
   }
 
-  bool Has(const std::string& key) const { return static_cast<bool>(node_[key]); }
+  bool Has(const std::string& key) const { return node_.Find(key) != nullptr; }
 
-  YAML::Node Get(const std::string& key) const {
-    if (!Has(key)) throw BadScenario(node_.Mark(), fmt::format("'{}' is missing", Name(key)));
-    return node_[key];
+  const YamlNode& Get(const std::string& key) const {
+    if (const YamlNode* node = node_.Find(key)) return *node;
+    throw BadScenario(node_.line, fmt::format("'{}' is missing", Name(key)));
   }
 
   double Number(const std::string& key, double min, double max) const {
-    const YAML::Node value = Get(key);
-    double number = 0.0;
-    if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) ||
-        !(number >= min && number <= max)) {
-      throw BadScenario(value.Mark(),
-                        fmt::format("'{}' is not a number between {:g} and {:g}", Name(key), min, max));
+    const YamlNode& value = Get(key);
+    const auto number = AsNumber(value);
+    if (!number || *number < min || *number > max) {
+      throw BadScenario(value.line, fmt::format("'{}': '{}' is not a number between {:g} and {:g}", Name(key),
+                                                Shown(value.text), min, max));
     }
-    return number;
+    return *number;
   }
 
   int Whole(const std::string& key, int min, int max) const {
     const double number = Number(key, min, max);
     if (number != static_cast<int>(number)) {
-      throw BadScenario(Get(key).Mark(), fmt::format("'{}' is not a whole number", Name(key)));
+      throw BadScenario(Get(key).line, fmt::format("'{}' is not a whole number", Name(key)));
     }
     return static_cast<int>(number);
   }
 
   std::vector<std::string> Names(const std::string& key) const {
-    const YAML::Node list = Get(key);
+    const YamlNode& list = Get(key);
     std::vector<std::string> names;
-    if (list.IsSequence()) {
-      for (const YAML::Node& item : list) names.push_back(item.IsScalar() ? item.Scalar() : std::string());
-    }
-    if (names.empty() || std::any_of(names.begin(), names.end(), [](const auto& n) { return n.empty(); })) {
-      throw BadScenario(list.Mark(), fmt::format("'{}' must be a list of names", Name(key)));
+    for (const YamlNode& item : list.items) names.push_back(item.text);  // none of what is not a scalar
+    if (names.empty() || std::ranges::any_of(names, &std::string::empty)) {
+      throw BadScenario(list.line, fmt::format("'{}' must be a list of names", Name(key)));
     }
     return names;
   }
@@ -84,33 +92,33 @@ class Section {
   std::vector<std::pair<std::string, std::string>> Pairs(const std::string& key) const {
     std::vector<std::pair<std::string, std::string>> pairs;
     if (!Has(key)) return pairs;
-    const YAML::Node map = Get(key);
-    for (const auto& entry : map) {
-      if (!map.IsMap() || !entry.second.IsScalar()) break;
-      pairs.emplace_back(entry.first.Scalar(), entry.second.Scalar());
+    const YamlNode& map = Get(key);
+    for (const YamlEntry& entry : map.entries) {
+      if (!entry.value.IsScalar()) break;
+      pairs.emplace_back(entry.key, entry.value.text);
     }
-    if (!map.IsMap() || pairs.size() != map.size()) {
-      throw BadScenario(map.Mark(), fmt::format("'{}' must hold 'name: value' pairs", Name(key)));
+    if (!map.IsMap() || pairs.size() != map.entries.size()) {
+      throw BadScenario(map.line, fmt::format("'{}' must hold 'name: value' pairs", Name(key)));
     }
     return pairs;
   }
 
   FlowPosition Position(const std::string& key) const {
     if (!Has(key)) return FlowPosition::kRandom;
-    const std::string text = Get(key).IsScalar() ? Get(key).Scalar() : "";
+    const std::string& text = Get(key).text;
     if (text == "random") return FlowPosition::kRandom;
     if (text == "lane_end") return FlowPosition::kLaneEnd;
-    throw BadScenario(Get(key).Mark(), fmt::format("'{}' is not one of: random, lane_end", Name(key)));
+    throw BadScenario(Get(key).line, fmt::format("'{}' is not one of: random, lane_end", Name(key)));
   }
 
   std::string Name(const std::string& key) const { return name_.empty() ? key : name_ + "." + key; }
 
  private:
-  YAML::Node node_;
+  const YamlNode& node_;
   std::string name_;
 };
 
-TrafficFlow ReadFlow(const YAML::Node& node, size_t index) {
+TrafficFlow ReadFlow(const YamlNode& node, size_t index) {
   const Section section(node, fmt::format("traffic.flows[{}]", index),
                         {"edges", "depart_lane", "arrival_lane", "depart", "arrival"});
   TrafficFlow flow;
@@ -124,26 +132,27 @@ TrafficFlow ReadFlow(const YAML::Node& node, size_t index) {
 
 // Refuses what SUMO would answer with an abort in the middle of an episode.
 void CheckBraking(const Section& profile) {
-  if (profile.Has("sumo") && profile.Get("sumo")["default.emergencydecel"]) {
-    throw BadScenario(profile.Get("sumo").Mark(),
+  if (profile.Has("sumo") && profile.Get("sumo").Find("default.emergencydecel") != nullptr) {
+    throw BadScenario(profile.Get("sumo").line,
                       fmt::format("'{}.default.emergencydecel' is not for scenarios; set '{}' instead",
                                   profile.Name("sumo"), profile.Name("driver.emergencyDecel")));
   }
   if (!profile.Has("driver")) return;
-  const YAML::Node driver = profile.Get("driver");
+  const YamlNode& driver = profile.Get("driver");
   const auto value = [&](const char* key, double otherwise) {
-    if (!driver[key]) return otherwise;
-    double number = 0.0;
-    if (!YAML::convert<double>::decode(driver[key], number) || !(number > 0.0)) {
-      throw BadScenario(driver[key].Mark(),
+    const YamlNode* const node = driver.Find(key);
+    if (node == nullptr) return otherwise;
+    const auto number = AsNumber(*node);
+    if (!number || *number <= 0.0) {
+      throw BadScenario(node->line,
                         fmt::format("'{}.{}' is not a number above 0", profile.Name("driver"), key));
     }
-    return number;
+    return *number;
   };
   const double decel = value("decel", kDriverDecel);
   const double emergency = value("emergencyDecel", kDriverEmergencyDecel);
   if (emergency > decel) return;
-  throw BadScenario(driver.Mark(),
+  throw BadScenario(driver.line,
                     fmt::format("'{0}.emergencyDecel' is {1:g}, '{0}.decel' is {2:g}: SUMO aborts unless the "
                                 "first is larger; give more than {2:g}",
                                 profile.Name("driver"), emergency, decel));
@@ -153,13 +162,13 @@ void CheckBraking(const Section& profile) {
 ProfileSettings::Options ReadOptions(const Section& profile, const fs::path& folder) {
   ProfileSettings::Options options;
   for (auto& [given, value] : profile.Pairs("sumo")) {
-    const YAML::Mark mark = profile.Get("sumo").Mark();
+    const int line = profile.Get("sumo").line;
     const Result<std::string> name = ScenarioOption(given);
-    if (!name) throw BadScenario(mark, fmt::format("'{}': {}", profile.Name("sumo"), name.error().message));
+    if (!name) throw BadScenario(line, fmt::format("'{}': {}", profile.Name("sumo"), name.error().message));
     if (*name == kRouteFiles || *name == kAdditionalFiles) {
       const Result<std::string> files = FilesFrom(folder, value);
       if (!files)
-        throw BadScenario(mark,
+        throw BadScenario(line,
                           fmt::format("'{}.{}': {}", profile.Name("sumo"), given, files.error().message));
       value = *files;
     }
@@ -175,20 +184,30 @@ ProfileSettings ReadProfile(const Section& profiles, const std::string& name, co
   return settings;
 }
 
+// Beside this scenario's own: never a way out of the folder of scenarios.
+std::string FolderName(const YamlNode& node) {
+  const std::string& name = node.text;
+  if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..") {
+    throw BadScenario(node.line,
+                      fmt::format("'network': '{}' is not the name of another scenario", Shown(name)));
+  }
+  return name;
+}
+
 // `folder`: of the file. `network` is set to the name of the folder whose network is used.
-Scenario ReadScenario(const YAML::Node& root, const fs::path& folder, std::string& network) {
+Scenario ReadScenario(const YamlNode& root, const fs::path& folder, std::string& network) {
   const Section top(root, "", {"network", "warm_up_s", "ego", "traffic", "profiles"});
   Scenario scenario;
-  if (top.Has("network")) network = top.Get("network").as<std::string>();
+  if (top.Has("network")) network = FolderName(top.Get("network"));
   scenario.warm_up_s = top.Number("warm_up_s", 0, 3600);
   const Section ego(top.Get("ego"), "ego", {"lanes", "start_offset_m"});
   scenario.ego_lanes = ego.Names("lanes");
   scenario.ego_start_offset_m = ego.Number("start_offset_m", 0, 1e6);
   const Section traffic(top.Get("traffic"), "traffic", {"driver_types", "flows"});
   scenario.driver_types = traffic.Whole("driver_types", 1, 1000);
-  const YAML::Node flows = traffic.Get("flows");
-  if (!flows.IsSequence()) throw BadScenario(flows.Mark(), "'traffic.flows' must be a list");
-  for (const YAML::Node& flow : flows) scenario.flows.push_back(ReadFlow(flow, scenario.flows.size()));
+  const YamlNode& flows = traffic.Get("flows");
+  if (!flows.IsList()) throw BadScenario(flows.line, "'traffic.flows' must be a list");
+  for (const YamlNode& flow : flows.items) scenario.flows.push_back(ReadFlow(flow, scenario.flows.size()));
   const Section profiles(top.Get("profiles"), "profiles", {"calibrated", "plain"});
   scenario.calibrated = ReadProfile(profiles, "calibrated", folder);
   scenario.plain = ReadProfile(profiles, "plain", folder);
@@ -198,9 +217,7 @@ Scenario ReadScenario(const YAML::Node& root, const fs::path& folder, std::strin
 }  // namespace
 
 fs::path ScenarioDirectory() {
-  if (const char* directory = std::getenv("DADRL_SCENARIOS"); directory != nullptr && *directory != '\0') {
-    return directory;
-  }
+  if (const auto folder = FromEnvironment(kScenariosVariable)) return *folder;
   std::error_code error;
   const fs::path executable = fs::read_symlink("/proc/self/exe", error);
   if (!error) {
@@ -223,8 +240,8 @@ std::vector<std::string> ScenarioNames(const fs::path& directory) {
 Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) {
   const std::vector<std::string> names = ScenarioNames(directory);
   if (names.empty()) {
-    return Fail(ErrorCode::kNotFound, "no scenario in {}; build the project or set DADRL_SCENARIOS",
-                directory.string());
+    return Fail(ErrorCode::kNotFound, "no scenario in {}; {}", directory.string(),
+                FolderRemedy(kScenariosVariable, "build the project or set DADRL_SCENARIOS"));
   }
   if (std::find(names.begin(), names.end(), name) == names.end()) {
     return Fail(ErrorCode::kInvalidArgument, "unknown scenario '{}'; the nearest is '{}' (there are: {})",
@@ -233,7 +250,8 @@ Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) 
   const fs::path file = directory / name / kScenarioFile;
   try {
     std::string network(name);
-    Scenario scenario = ReadScenario(YAML::LoadFile(file), file.parent_path(), network);
+    DADRL_ASSIGN_OR_RETURN(const YamlNode root, LoadYamlDocument(file));
+    Scenario scenario = ReadScenario(root, file.parent_path(), network);
     scenario.name = name;
     scenario.network = directory / network / kNetworkFile;
     if (!fs::exists(scenario.network)) {
@@ -241,8 +259,8 @@ Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) 
                   file.string(), scenario.network.string());
     }
     return scenario;
-  } catch (const std::exception& exception) {
-    return Fail(ErrorCode::kInvalidArgument, "{}: {}", file.string(), exception.what());
+  } catch (const BadScenario& fault) {
+    return Fail(ErrorCode::kInvalidArgument, "{}:{}", file.string(), fault.what());
   }
 }
 

@@ -1,14 +1,18 @@
 #include "common/config/config_schema.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <limits>
 #include <numeric>
+
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
 
 constexpr double kHuge = 1e15;
+constexpr const char* kLearns = "with 0 nothing is learnt, with more than 0.1 the weights run away";
 
 class SchemaBuilder {
  public:
@@ -22,6 +26,8 @@ class SchemaBuilder {
     fields_.back().min = min;
     fields_.back().max = max;
   }
+  // Of the range of the field added last.
+  void Because(std::string reason) { fields_.back().reason = std::move(reason); }
   template <typename Enum>
   void AddChoice(std::string key, Enum& value, std::vector<std::string> choices, std::string help) {
     Push(std::move(key), std::move(help),
@@ -84,15 +90,21 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("algorithm.batch_size", a.batch_size, 16, 4096, "Transitions an update; a multiple of 16");
   b.Add("algorithm.gamma", a.gamma, 0, 1, "Discount per decision");
   b.Add("algorithm.n_step", a.n_step, 1, 32, "Decisions summed before bootstrapping");
-  b.Add("algorithm.tau", a.tau, 0, 1, "Polyak step of the target critics, per update");
-  b.Add("algorithm.actor_learning_rate", a.actor_learning_rate, 0, 1, "Adam step of the policy");
-  b.Add("algorithm.critic_learning_rate", a.critic_learning_rate, 0, 1, "Adam step of the critics");
-  b.Add("algorithm.temperature_learning_rate", a.temperature_learning_rate, 0, 1,
-        "Adam step of the temperature");
-  b.Add("algorithm.adam_epsilon", a.adam_epsilon, 0, 1,
+  b.Add("algorithm.tau", a.tau, 1e-6, 1, "Polyak step of the target critics, per update");
+  b.Because("with 0 the target would never move");
+  b.Add("algorithm.actor_learning_rate", a.actor_learning_rate, 1e-9, 0.1, "Adam step of the policy");
+  b.Because(kLearns);
+  b.Add("algorithm.critic_learning_rate", a.critic_learning_rate, 1e-9, 0.1, "Adam step of the critics");
+  b.Because(kLearns);
+  b.Add("algorithm.temperature_learning_rate", a.temperature_learning_rate, 0, 0.1,
+        "Adam step of the temperature; 0 keeps it");
+  b.Add("algorithm.adam_epsilon", a.adam_epsilon, 1e-15, 1,
         "Adam's guard against division by zero; larger damps small gradients");
+  b.Because("with 0 a weight without a gradient would be divided by zero");
   b.Add("algorithm.initial_temperature", a.initial_temperature, 1e-6, 100, "Entropy weight at the start");
-  b.Add("algorithm.target_entropy", a.target_entropy, -100, 100, "Entropy the temperature aims at, nats");
+  // At a standard deviation of 0.87; at 1, the least that model.log_std_min = 0 leaves, it is 1.340.
+  b.Add("algorithm.target_entropy", a.target_entropy, -100, 1.33, "Entropy the temperature aims at, nats");
+  b.Because("two actions in [-1, 1] have at most 2 ln 2 = 1.386 nats, a squashed Gaussian 1.367");
   b.Add("algorithm.average_decay", a.average_decay, 0, 1, "Decay of the averaged policy, per update");
 }
 
@@ -157,8 +169,9 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   EvaluationConfig& e = c.evaluation;
   b.Add("evaluation.interval_s", e.interval_s, 0, 1e9,
         "Seconds between evaluations while training; 0 is none");
-  b.Add("evaluation.episodes", e.episodes, 1, 1e6,
+  b.Add("evaluation.episodes", e.episodes, 1, 1000,
         "Episodes of an evaluation while training, of each scenario");
+  b.Because("a thousand traffic seeds belong to an evaluation");
   b.Add("evaluation.processes", e.processes, 1, 1024, "Processes an evaluation uses");
   b.Add("evaluation.candidates", e.candidates, 1, 1000,
         "Newest policies, one a checkpoint, of which the best is chosen when training ends; 1 is the newest "
@@ -182,11 +195,40 @@ Status AssignNumber(const ConfigField& field, std::string_view text, Number* tar
   const bool parsed = error == std::errc() && end == text.data() + text.size();
   const double as_double = static_cast<double>(value);
   if (!parsed || !(as_double >= field.min && as_double <= field.max)) {
-    return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not {} between {:g} and {:g}", field.key, text,
-                std::is_integral_v<Number> ? "a whole number" : "a number", field.min, field.max);
+    return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not {} between {:g} and {:g}{}{}", field.key,
+                Shown(text), std::is_integral_v<Number> ? "a whole number" : "a number", field.min, field.max,
+                field.reason.empty() ? "" : ": ", field.reason);
   }
   *target = value;
   return {};
+}
+
+// Names of folders and hosts.
+Status AssignText(const ConfigField& field, std::string_view text, std::string* target) {
+  constexpr size_t kLongest = 255;
+  const bool plain =
+      std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+  if (text.empty() || text.size() > kLongest || !plain) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "{}: '{}' is not a text of 1 to {} bytes without control characters", field.key, Shown(text),
+                kLongest);
+  }
+  *target = text;
+  return {};
+}
+
+// As YAML reads it back: quoted unless it can be nothing but a text.
+std::string YamlText(const std::string& text) {
+  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.' || c == '/';
+  });
+  std::string lower = text;
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (plain && !text.empty() && text.front() != '-' && text.front() != '.' && lower != "null") return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return quoted + "'";
 }
 
 }  // namespace
@@ -211,6 +253,8 @@ std::string FormatValue(const ConfigField& field) {
           return field.choices[static_cast<size_t>(target.get(target.target))];
         } else if constexpr (std::is_same_v<Target, bool*>) {
           return *target ? "true" : "false";
+        } else if constexpr (std::is_same_v<Target, std::string*>) {
+          return YamlText(*target);
         } else {
           return fmt::format("{}", *target);
         }
@@ -225,20 +269,20 @@ Status AssignValue(const ConfigField& field, std::string_view text) {
         if constexpr (std::is_same_v<Target, ConfigField::EnumTarget>) {
           const auto found = std::find(field.choices.begin(), field.choices.end(), text);
           if (found == field.choices.end()) {
-            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not one of: {}", field.key, text,
+            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not one of: {}", field.key, Shown(text),
                         fmt::join(field.choices, ", "));
           }
           target.set(target.target, static_cast<int>(found - field.choices.begin()));
           return {};
         } else if constexpr (std::is_same_v<Target, bool*>) {
           if (text != "true" && text != "false") {
-            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is neither true nor false", field.key, text);
+            return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is neither true nor false", field.key,
+                        Shown(text));
           }
           *target = text == "true";
           return {};
         } else if constexpr (std::is_same_v<Target, std::string*>) {
-          *target = text;
-          return {};
+          return AssignText(field, text, target);
         } else {
           return AssignNumber(field, text, target);
         }
@@ -247,6 +291,7 @@ Status AssignValue(const ConfigField& field, std::string_view text) {
 }
 
 std::string NearestName(std::string_view name, const std::vector<std::string>& candidates) {
+  name = name.substr(0, 100);  // no name is longer, and the work grows with it
   std::string best;
   size_t best_distance = std::numeric_limits<size_t>::max();
   for (const std::string& candidate : candidates) {

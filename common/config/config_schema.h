@@ -20,6 +20,7 @@ struct ConfigField {
   std::string help;  // one sentence, with the unit
   double min = 0.0;  // inclusive, numbers only
   double max = 0.0;
+  std::string reason;                // of the range, where it is no matter of taste: part of the refusal
   std::vector<std::string> choices;  // enumerations only
 
   // Into the Config that SchemaOf was given. Enumerations are seen as an index into `choices`.

@@ -1,12 +1,11 @@
 #include "common/config/config_yaml.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "common/config/config_schema.h"
+#include "common/config/yaml_document.h"
+#include "common/io/read_file.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -22,7 +21,7 @@ Status AssignKey(const std::vector<ConfigField>& fields, const std::string& key,
   const auto field =
       std::find_if(fields.begin(), fields.end(), [&](const ConfigField& f) { return f.key == key; });
   if (field == fields.end()) {
-    return Fail(ErrorCode::kInvalidArgument, "{}unknown key '{}'; the nearest is '{}'", where, key,
+    return Fail(ErrorCode::kInvalidArgument, "{}unknown key '{}'; the nearest is '{}'", where, Shown(key),
                 NearestName(key, KeysOf(fields)));
   }
   Status assigned = AssignValue(*field, value);
@@ -30,39 +29,47 @@ Status AssignKey(const std::vector<ConfigField>& fields, const std::string& key,
   return {};
 }
 
-Status AssignNode(const std::vector<ConfigField>& fields, const YAML::Node& node, const std::string& prefix,
+// "task" of "task.max_steps", "task" and "task.reward" of "task.reward.crash".
+std::vector<std::string> SectionsOf(const std::vector<ConfigField>& fields) {
+  std::vector<std::string> sections;
+  for (const ConfigField& field : fields) {
+    for (size_t dot = field.key.find('.'); dot != std::string::npos; dot = field.key.find('.', dot + 1)) {
+      sections.push_back(field.key.substr(0, dot));
+    }
+  }
+  return sections;
+}
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+Status AssignNode(const std::vector<ConfigField>& fields, const YamlNode& node, const std::string& prefix,
                   std::string_view origin) {
-  for (const auto& entry : node) {
-    const std::string name = entry.first.as<std::string>();
-    const std::string key = prefix.empty() ? name : prefix + "." + name;
-    if (entry.second.IsMap()) {
-      DADRL_RETURN_IF_ERROR(AssignNode(fields, entry.second, key, origin));
-      continue;
-    }
-    const std::string where = fmt::format("{}:{}: ", origin, entry.first.Mark().line + 1);
-    if (!entry.second.IsScalar()) {
+  const std::vector<std::string> sections = SectionsOf(fields);
+  for (const YamlEntry& entry : node.entries) {
+    const std::string key = prefix.empty() ? entry.key : prefix + "." + entry.key;
+    const std::string where = fmt::format("{}:{}: ", origin, entry.line);
+    const bool section = Contains(sections, key);
+    if (entry.value.IsScalar() && !section) {
+      DADRL_RETURN_IF_ERROR(AssignKey(fields, key, entry.value.text, where));
+    } else if (entry.value.IsMap() && section) {
+      DADRL_RETURN_IF_ERROR(AssignNode(fields, entry.value, key, origin));
+    } else if (section) {
+      return Fail(ErrorCode::kInvalidArgument, "{}'{}' needs 'key: value' lines below it", where, key);
+    } else if (Contains(KeysOf(fields), key)) {
       return Fail(ErrorCode::kInvalidArgument, "{}'{}' needs one value", where, key);
+    } else {
+      return Fail(ErrorCode::kInvalidArgument, "{}unknown section '{}'; the nearest is '{}'", where,
+                  Shown(key), NearestName(key, sections));
     }
-    DADRL_RETURN_IF_ERROR(AssignKey(fields, key, entry.second.Scalar(), where));
   }
   return {};
 }
 
-// Overlays what stands under the top-level keys that `wanted(name)` accepts.
-template <typename Wanted>
-Status ParseRoot(std::string_view text, std::string_view origin, Wanted wanted, Config& config) {
-  try {
-    const YAML::Node root = YAML::Load(std::string(text));
-    if (root.IsNull()) return {};
-    if (!root.IsMap()) return Fail(ErrorCode::kInvalidArgument, "{}: expected 'key: value' lines", origin);
-    YAML::Node chosen(YAML::NodeType::Map);
-    for (const auto& entry : root) {
-      if (wanted(entry.first.as<std::string>())) chosen[entry.first] = entry.second;
-    }
-    return AssignNode(SchemaOf(config), chosen, "", origin);
-  } catch (const YAML::Exception& exception) {
-    return Fail(ErrorCode::kInvalidArgument, "{}: not YAML: {}", origin, exception.what());
-  }
+Status CheckRoot(const YamlNode& root, std::string_view origin) {
+  if (root.IsMap() || root.kind == YamlNode::Kind::kNull) return {};
+  return Fail(ErrorCode::kInvalidArgument, "{}:{}: expected 'key: value' lines", origin, root.line);
 }
 
 // "a.b.c" under "a.d" shares "a": prints the section heads that `key` opens.
@@ -88,24 +95,25 @@ std::string Range(const ConfigField& field) {
 }  // namespace
 
 Status ParseYaml(std::string_view text, std::string_view origin, Config& config) {
-  return ParseRoot(
-      text, origin, [](const std::string&) { return true; }, config);
+  DADRL_ASSIGN_OR_RETURN(const YamlNode root, ParseYamlDocument(text, origin));
+  DADRL_RETURN_IF_ERROR(CheckRoot(root, origin));
+  return AssignNode(SchemaOf(config), root, "", origin);
 }
 
 Status ParseYamlSections(std::string_view text, std::string_view origin,
                          std::span<const std::string_view> sections, Config& config) {
-  const auto wanted = [&](const std::string& name) {
-    return std::find(sections.begin(), sections.end(), name) != sections.end();
-  };
-  return ParseRoot(text, origin, wanted, config);
+  DADRL_ASSIGN_OR_RETURN(YamlNode root, ParseYamlDocument(text, origin));
+  DADRL_RETURN_IF_ERROR(CheckRoot(root, origin));
+  std::erase_if(root.entries, [&](const YamlEntry& entry) {
+    return std::ranges::find(sections, entry.key) == sections.end();
+  });
+  return AssignNode(SchemaOf(config), root, "", origin);
 }
 
-Status LoadYaml(const std::filesystem::path& file, Config& config) {
-  std::ifstream stream(file);
-  if (!stream) return Fail(ErrorCode::kInvalidArgument, "cannot read configuration {}", file.string());
-  std::stringstream text;
-  text << stream.rdbuf();
-  return ParseYaml(text.str(), file.string(), config);
+Status LoadYaml(const std::filesystem::path& file, Config& config, Links links) {
+  const Result<std::string> text = ReadTextFile(file, kMaxYamlBytes, links);
+  if (!text) return Fail(ErrorCode::kInvalidArgument, "cannot read configuration: {}", text.error().message);
+  return ParseYaml(*text, file.string(), config);
 }
 
 Status ApplyOverride(std::string_view assignment, Config& config) {

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/io/file_descriptor.h"
 #include "common/util/result.h"
 
 namespace dadrl {
 
-// Overlays the file's keys on `config`. Unknown keys are refused with the nearest known name and the line.
-Status LoadYaml(const std::filesystem::path& file, Config& config);
+// Overlays the file's keys on `config`. Unknown keys and sections are refused with the nearest known name and
+// the line; limits and further refusals: yaml_document.h.
+Status LoadYaml(const std::filesystem::path& file, Config& config, Links links = Links::kFollow);
 // The same for YAML text; `origin` names it in errors.
 Status ParseYaml(std::string_view text, std::string_view origin, Config& config);
 // Of YAML text only what stands under these top-level keys; the rest is passed over, whatever it says. For

@@ -1,50 +1,139 @@
 #include "common/config/validate.h"
 
 #include <algorithm>
+#include <array>
+
+#include "common/model/observation.h"
 
 namespace dadrl {
+namespace {
 
-Status Validate(const Config& config) {
-  if (config.algorithm.name != "sac") {
-    return Fail(ErrorCode::kInvalidArgument, "algorithm.name: '{}' is unknown; there is: sac",
-                config.algorithm.name);
-  }
-  if (config.algorithm.batch_size % 16 != 0) {
-    return Fail(ErrorCode::kInvalidArgument, "algorithm.batch_size: {} is not a multiple of 16",
-                config.algorithm.batch_size);
-  }
-  if (config.algorithm.batch_size < 16 * config.learner.threads) {
+// Inserted frames that may be needed for a batch: eight minutes at 2000 frames/s.
+constexpr double kMostInsertsPerBatch = 1e6;
+// A frame's header, flags and planes without anything in them.
+constexpr int64_t kLeastFrameBytes = 64;
+
+int64_t ObservationFloats(const Config& config) {
+  const ObservationSpec spec = ObservationSpec::From(config.observation);
+  return spec.vehicle_floats() + spec.ego_floats();
+}
+
+Status CheckTask(const Config& config) {
+  const RewardConfig& r = config.task.reward;
+  const std::array weights = {r.crash, r.off_road,  r.goal,      r.progress,
+                              r.speed, r.off_route, r.wrong_way, r.slow};
+  if (std::ranges::all_of(weights, [](double weight) { return weight == 0.0; })) {
     return Fail(ErrorCode::kInvalidArgument,
-                "learner.threads: {} threads need algorithm.batch_size of at least {}, it is {}",
-                config.learner.threads, 16 * config.learner.threads, config.algorithm.batch_size);
+                "task.reward: every weight is 0, so there is nothing to learn; give one a value");
   }
-  if (!config.model.stae && !config.model.context) {
+  const ObservationConfig& o = config.observation;
+  const int oldest = (o.history - 1) * o.history_stride;
+  if (oldest >= config.task.max_steps) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "observation.history: {} rows, {} steps apart, reach {} steps back, and no episode is longer than "
+        "task.max_steps: {}; lower history or history_stride",
+        o.history, o.history_stride, oldest, config.task.max_steps);
+  }
+  return {};
+}
+
+Status CheckModel(const ModelConfig& model) {
+  if (!model.stae && !model.context) {
     return Fail(ErrorCode::kInvalidArgument, "model.stae and model.context are both false; keep one");
   }
-  if (config.replay.segment_bytes > config.replay.max_disk_bytes) {
-    return Fail(ErrorCode::kInvalidArgument, "replay.segment_bytes: {} exceeds replay.max_disk_bytes: {}",
-                config.replay.segment_bytes, config.replay.max_disk_bytes);
+  if (model.log_std_min >= model.log_std_max) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "model.log_std_min: {} is not below model.log_std_max: {}; the policy could not learn its width",
+        model.log_std_min, model.log_std_max);
   }
+  return {};
+}
+
+Status CheckBatch(const Config& config) {
+  const int batch = config.algorithm.batch_size;
+  if (batch % 16 != 0) {
+    return Fail(ErrorCode::kInvalidArgument, "algorithm.batch_size: {} is not a multiple of 16", batch);
+  }
+  if (batch < 16 * config.learner.threads) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "learner.threads: {} threads need algorithm.batch_size of at least {}, it is {}",
+                config.learner.threads, 16 * config.learner.threads, batch);
+  }
+  // Now and next, incompressible.
+  const int64_t float_bytes = config.actor.floats == FloatCoding::kFloat32 ? 4 : 2;
+  constexpr int64_t kPlanes = ObservationSpec::kContextBytes + 64;
+  const int64_t bytes = int64_t{batch} * 2 * (ObservationFloats(config) * float_bytes + kPlanes);
+  if (bytes <= kMaxBatchBytes) return {};
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "algorithm.batch_size: {} transitions of these observations may take {} bytes, at most {} are sent "
+      "at once; lower it, observation.history or observation.vehicles",
+      batch, bytes, kMaxBatchBytes);
+}
+
+Status CheckAlgorithm(const Config& config) {
+  const AlgorithmConfig& algorithm = config.algorithm;
+  if (algorithm.name != "sac") {
+    return Fail(ErrorCode::kInvalidArgument, "algorithm.name: '{}' is unknown; there is: sac",
+                algorithm.name);
+  }
+  return CheckBatch(config);
+}
+
+Status CheckStore(const Config& config) {
   const ReplayConfig& replay = config.replay;
-  if (replay.samples_per_insert > 0.0 && replay.min_samples_per_insert > replay.samples_per_insert) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
-        replay.min_samples_per_insert, replay.samples_per_insert);
+  if (replay.segment_bytes > replay.max_disk_bytes) {
+    return Fail(ErrorCode::kInvalidArgument, "replay.segment_bytes: {} exceeds replay.max_disk_bytes: {}",
+                replay.segment_bytes, replay.max_disk_bytes);
   }
-  if (replay.sequence_period > std::max(replay.sequence_length, 1)) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never be drawn",
-        replay.sequence_period, replay.sequence_length);
-  }
+  // Half a byte a number is less than any codec makes of them; a run that fits by so much has room.
+  const int64_t frame = kLeastFrameBytes + ObservationFloats(config) / 2;
   const int64_t shard_min_size = (replay.min_size + replay.shards - 1) / replay.shards;
+  if (shard_min_size > replay.max_disk_bytes / frame) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.min_size: {} frames in a shard take more than {} bytes each, replay.max_disk_bytes: {} "
+        "holds less, so nothing would ever be drawn; lower the one or raise the other",
+        shard_min_size, frame, replay.max_disk_bytes);
+  }
   if (replay.max_items > 0 && replay.max_items < shard_min_size) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "replay.max_items: {} is less than a shard's part of replay.min_size, {}; nothing would ever be "
         "drawn",
         replay.max_items, shard_min_size);
+  }
+  return {};
+}
+
+Status CheckRates(const Config& config) {
+  const ReplayConfig& replay = config.replay;
+  const int batch = config.algorithm.batch_size;
+  if (replay.samples_per_insert > 0.0 && replay.min_samples_per_insert > replay.samples_per_insert) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.min_samples_per_insert: {} exceeds replay.samples_per_insert: {}; both sides would wait",
+        replay.min_samples_per_insert, replay.samples_per_insert);
+  }
+  if (replay.samples_per_insert > 0.0 && batch / replay.samples_per_insert > kMostInsertsPerBatch) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.samples_per_insert: {} lets a batch of algorithm.batch_size: {} wait for {:.3g} frames; "
+        "take at least {:g}, or 0 for no bound",
+        replay.samples_per_insert, batch, batch / replay.samples_per_insert, batch / kMostInsertsPerBatch);
+  }
+  return {};
+}
+
+Status CheckDraws(const Config& config) {
+  const ReplayConfig& replay = config.replay;
+  if (replay.sequence_period > std::max(replay.sequence_length, 1)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never be drawn",
+        replay.sequence_period, replay.sequence_length);
   }
   const int times = std::max(replay.max_times_sampled, 1);
   const int64_t items_of_a_batch = (config.algorithm.batch_size + times - 1) / times;
@@ -61,6 +150,44 @@ Status Validate(const Config& config) {
                 "to at least 1");
   }
   return {};
+}
+
+// 0 turns it off; shorter than a second it would never rest.
+Status CheckInterval(const char* key, double interval_s) {
+  if (interval_s <= 0.0 || interval_s >= 1.0) return {};
+  return Fail(ErrorCode::kInvalidArgument, "{}: {} s is below 1 s; take more, or 0 for none", key,
+              interval_s);
+}
+
+Status CheckCluster(const ClusterConfig& cluster) {
+  constexpr int kFirstUserPort = 1024;
+  if (cluster.port > 0 && cluster.port < kFirstUserPort) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "cluster.port: {} is one of the system's; take {} to 60000, or 0 for a free one",
+                cluster.port, kFirstUserPort);
+  }
+  if (cluster.lease_s < cluster.liveliness_s) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "cluster.lease_s: {} is shorter than cluster.liveliness_s: {}; a peer would be forgotten before "
+        "its silence counts",
+        cluster.lease_s, cluster.liveliness_s);
+  }
+  return {};
+}
+
+}  // namespace
+
+Status Validate(const Config& config) {
+  DADRL_RETURN_IF_ERROR(CheckTask(config));
+  DADRL_RETURN_IF_ERROR(CheckModel(config.model));
+  DADRL_RETURN_IF_ERROR(CheckAlgorithm(config));
+  DADRL_RETURN_IF_ERROR(CheckStore(config));
+  DADRL_RETURN_IF_ERROR(CheckRates(config));
+  DADRL_RETURN_IF_ERROR(CheckDraws(config));
+  DADRL_RETURN_IF_ERROR(CheckInterval("replay.snapshot_interval_s", config.replay.snapshot_interval_s));
+  DADRL_RETURN_IF_ERROR(CheckInterval("evaluation.interval_s", config.evaluation.interval_s));
+  return CheckCluster(config.cluster);
 }
 
 }  // namespace dadrl

@@ -6,6 +6,9 @@
 
 namespace dadrl {
 
+// A batch on its way to the learner is never longer.
+constexpr int64_t kMaxBatchBytes = int64_t{64} << 20;
+
 // The first contradiction found, as kInvalidArgument with the keys, their values and the remedy.
 Status Validate(const Config& config);
 

@@ -1,6 +1,7 @@
 #include "common/io/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -13,6 +14,7 @@ namespace dadrl {
 namespace {
 
 constexpr std::string_view kTemporarySuffix = ".dadrl-tmp";
+constexpr unsigned kNewFileMode = 0644;
 
 std::filesystem::path FolderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
@@ -23,6 +25,30 @@ std::filesystem::path TemporaryFor(const std::filesystem::path& path) {
   static std::atomic<uint64_t> counter{0};
   return FolderOf(path) /
          fmt::format(".{}.{}-{}{}", path.filename().string(), ::getpid(), counter++, kTemporarySuffix);
+}
+
+// Calls `create(temporary)` with new names until one is not taken: a killed process of the same number may
+// have left one, and what is there is never written to. `create` returns -1 with errno.
+template <typename Create>
+Result<std::filesystem::path> CreateBeside(const std::filesystem::path& path, Create create) {
+  constexpr int kAttempts = 100;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::filesystem::path temporary = TemporaryFor(path);
+    if (create(temporary) >= 0) return temporary;
+    if (errno != EEXIST && errno != EINTR) return tl::unexpected<Error>(IoError("create", temporary, errno));
+  }
+  return tl::unexpected<Error>(IoError("create", TemporaryFor(path), EEXIST));
+}
+
+// What stands under a name that is about to be taken.
+Status RequireReplaceable(const std::filesystem::path& path) {
+  struct stat info {};
+  if (::lstat(path.c_str(), &info) != 0 || S_ISREG(info.st_mode)) return {};
+  return Fail(ErrorCode::kInvalidArgument, "{} is there and is {}: it is not replaced; name another file",
+              path.string(),
+              S_ISLNK(info.st_mode)   ? "a link"
+              : S_ISDIR(info.st_mode) ? "a folder"
+                                      : "a device, a FIFO or a socket");
 }
 
 }  // namespace
@@ -40,10 +66,13 @@ AtomicFile::~AtomicFile() {
 }
 
 Result<AtomicFile> AtomicFile::Create(const std::filesystem::path& path) {
-  std::filesystem::path temporary = TemporaryFor(path);
-  auto file = FileDescriptor::Open(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file) return tl::unexpected<Error>(std::move(file.error()));
-  return AtomicFile(path, std::move(temporary), std::move(*file));
+  DADRL_RETURN_IF_ERROR(RequireReplaceable(path));
+  int fd = -1;
+  DADRL_ASSIGN_OR_RETURN(std::filesystem::path temporary, CreateBeside(path, [&](const auto& name) {
+                           return fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC,
+                                              kNewFileMode);
+                         }));
+  return AtomicFile(path, std::move(temporary), FileDescriptor(fd));
 }
 
 Status AtomicFile::Append(std::span<const std::byte> bytes) { return WriteAll(file_, bytes, path_); }
@@ -70,10 +99,9 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::string_view t
 }
 
 Status LinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target) {
-  const std::filesystem::path temporary = TemporaryFor(link);
-  if (::symlink(target.c_str(), temporary.c_str()) != 0) {
-    return tl::unexpected<Error>(IoError("link", link, errno));
-  }
+  DADRL_ASSIGN_OR_RETURN(const std::filesystem::path temporary, CreateBeside(link, [&](const auto& name) {
+                           return ::symlink(target.c_str(), name.c_str());
+                         }));
   if (::rename(temporary.c_str(), link.c_str()) != 0) {
     const int error = errno;
     ::unlink(temporary.c_str());

@@ -16,7 +16,8 @@ namespace dadrl {
 // temporary file is removed and `path` is as it was.
 class AtomicFile {
  public:
-  // Starts a temporary file in the folder of `path`, which must exist.
+  // Starts a temporary file of a new name in the folder of `path`, which must exist. kInvalidArgument when
+  // `path` is there and no regular file: a link, a device or a folder is never replaced.
   static Result<AtomicFile> Create(const std::filesystem::path& path);
   ~AtomicFile();
   AtomicFile(AtomicFile&& other) noexcept;

@@ -1,21 +1,54 @@
 #include "common/io/file_descriptor.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cassert>
 #include <cerrno>
 
 #include "common/io/io_error.h"
 
 namespace dadrl {
 
-Result<FileDescriptor> FileDescriptor::Open(const std::filesystem::path& path, int flags, unsigned mode) {
+namespace {
+
+constexpr unsigned kNewFileMode = 0644;
+
+tl::unexpected<Error> Refused(const std::filesystem::path& path, std::string_view what) {
+  return Fail(ErrorCode::kInvalidArgument, "{} is {}: it is neither read nor written; move it away",
+              path.string(), what);
+}
+
+std::string_view KindOf(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder, a file is needed";
+  if (S_ISFIFO(mode)) return "a FIFO, a regular file is needed";
+  if (S_ISSOCK(mode)) return "a socket, a regular file is needed";
+  return "a device, a regular file is needed";
+}
+
+}  // namespace
+
+Result<FileDescriptor> FileDescriptor::Open(const std::filesystem::path& path, int flags, Links links) {
+  assert((flags & O_TRUNC) == 0);
+  const bool folder = (flags & O_DIRECTORY) != 0;
+  // Without O_NONBLOCK a FIFO would hold us up until somebody opens its other end. It changes nothing for a
+  // regular file.
+  flags |= O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+  if (links == Links::kRefuse && !folder) flags |= O_NOFOLLOW;
   int fd = -1;
   do {
-    fd = ::open(path.c_str(), flags | O_CLOEXEC, mode);
+    fd = ::open(path.c_str(), flags, kNewFileMode);
   } while (fd < 0 && errno == EINTR);
+  if (fd < 0 && errno == ELOOP && links == Links::kRefuse)
+    return Refused(path, "a link, which is not followed");
+  if (fd < 0 && errno == ENXIO) return Refused(path, "a FIFO or a socket, a regular file is needed");
   if (fd < 0) return tl::unexpected<Error>(IoError("open", path, errno));
-  return FileDescriptor(fd);
+  FileDescriptor file(fd);
+  struct stat info {};
+  if (::fstat(fd, &info) != 0) return tl::unexpected<Error>(IoError("open", path, errno));
+  if (!folder && !S_ISREG(info.st_mode)) return Refused(path, KindOf(info.st_mode));
+  return file;
 }
 
 void FileDescriptor::Close() {

@@ -10,6 +10,10 @@
 
 namespace dadrl {
 
+// What to do with a path whose last part is a symbolic link. Files that are ours (in a run, a snapshot, a
+// replay) are never links, so one there was put there by somebody else; a user may name a file by a link.
+enum class Links { kRefuse, kFollow };
+
 // Owns a descriptor; -1 is none. Not thread safe.
 class FileDescriptor {
  public:
@@ -22,8 +26,11 @@ class FileDescriptor {
     return *this;
   }
 
-  // open(2) with O_CLOEXEC; `flags` and `mode` as there.
-  static Result<FileDescriptor> Open(const std::filesystem::path& path, int flags, unsigned mode = 0644);
+  // open(2) with O_CLOEXEC; `flags` and `mode` as there. Only a regular file, or with O_DIRECTORY a folder: a
+  // FIFO, a socket or a device is kInvalidArgument, at once and unchanged; so is a link where `links`
+  // refuses. Not for O_TRUNC, which would change what is refused.
+  static Result<FileDescriptor> Open(const std::filesystem::path& path, int flags,
+                                     Links links = Links::kRefuse);
 
   int get() const { return fd_; }
   bool valid() const { return fd_ >= 0; }

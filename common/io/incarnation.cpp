@@ -12,13 +12,18 @@ namespace dadrl {
 namespace {
 
 constexpr uint64_t kMaxBytes = 64;
+// Nanoseconds; in the year 2258.
+constexpr uint64_t kMostCredible = 9'100'000'000'000'000'000;
 
 // 0 when there is none.
 uint64_t LastIncarnation(const std::filesystem::path& file) {
   const Result<std::string> text = ReadTextFile(file, kMaxBytes);
   uint64_t last = 0;
   if (text) std::from_chars(text->data(), text->data() + text->size(), last);
-  return last;
+  // A number that no start could follow would make every later process a predecessor.
+  if (last <= kMostCredible) return last;
+  spdlog::warn("{} holds {}, which is no time: it is passed over", file.string(), last);
+  return 0;
 }
 
 }  // namespace

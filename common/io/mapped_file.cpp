@@ -7,13 +7,12 @@
 #include <cerrno>
 #include <utility>
 
-#include "common/io/file_descriptor.h"
 #include "common/io/io_error.h"
 
 namespace dadrl {
 
-Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
-  DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(path, O_RDONLY));
+Result<MappedFile> MappedFile::Open(const std::filesystem::path& path, Links links) {
+  DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(path, O_RDONLY, links));
   struct stat status {};
   if (fstat(file.get(), &status) != 0) return tl::unexpected(IoError("stat", path, errno));
   const auto size = static_cast<size_t>(status.st_size);

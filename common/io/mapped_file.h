@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 
+#include "common/io/file_descriptor.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -12,8 +13,9 @@ namespace dadrl {
 // The file as long as it is when it is opened; it must not be cut shorter meanwhile. Movable; thread safe.
 class MappedFile {
  public:
-  // kNotFound when there is no such file. An empty file has no bytes.
-  static Result<MappedFile> Open(const std::filesystem::path& path);
+  // kNotFound when there is no such file, kInvalidArgument when it is no regular one, or a link that is not
+  // to be followed. An empty file has no bytes.
+  static Result<MappedFile> Open(const std::filesystem::path& path, Links links = Links::kRefuse);
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;

@@ -4,16 +4,21 @@
 #include <cassert>
 #include <charconv>
 #include <limits>
+#include <set>
 
 #include "common/io/atomic_file.h"
 #include "common/io/byte_io.h"
 #include "common/io/read_file.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kHeaderAlignment = 64;
+// NumPy's own have a hundred bytes, and arrays of at most 32 dimensions.
+constexpr uint64_t kMaxHeaderBytes = 64 << 10;
+constexpr size_t kMaxDimensions = 32;
 
 // The header's text is a Python dictionary with these three keys, in any order.
 struct Header {
@@ -29,10 +34,11 @@ class HeaderParser {
 
   Header Parse() {
     Header header;
-    int keys = 0;
-    for (Expect('{'); ok_ && !Accept('}'); ++keys) {
+    std::set<std::string> keys;
+    for (Expect('{'); ok_ && !Accept('}');) {
       const std::string key = Text();
       Expect(':');
+      ok_ = ok_ && keys.insert(key).second;
       if (key == "descr") {
         header.type = Text();
       } else if (key == "fortran_order") {
@@ -44,7 +50,7 @@ class HeaderParser {
       }
       if (!Accept(',') && Peek() != '}') ok_ = false;
     }
-    ok_ = ok_ && keys == 3 && Peek() == '\0';
+    ok_ = ok_ && keys.size() == 3 && Peek() == '\0';
     return header;
   }
   bool ok() const { return ok_; }
@@ -89,7 +95,7 @@ class HeaderParser {
       Peek();
       size_t size = 0;
       const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), size);
-      ok_ = error == std::errc();
+      ok_ = error == std::errc() && shape.size() < kMaxDimensions;
       rest_.remove_prefix(static_cast<size_t>(end - rest_.data()));
       shape.push_back(size);
       if (!Accept(',') && Peek() != ')') ok_ = false;
@@ -148,7 +154,7 @@ Status WriteNpyBytes(const std::filesystem::path& path, std::string_view type, s
 
 Result<NpyBytes> ReadNpyBytes(const std::filesystem::path& path, std::string_view type, uint64_t max_bytes) {
   NpyBytes array;
-  DADRL_ASSIGN_OR_RETURN(array.file, ReadFile(path, max_bytes));
+  DADRL_ASSIGN_OR_RETURN(array.file, ReadFile(path, max_bytes, Links::kFollow));
   DADRL_ASSIGN_OR_RETURN(NpyView view, ParseNpy(array.file, type, path));
   array.shape = std::move(view.shape);
   array.values = view.values;
@@ -167,13 +173,14 @@ Result<NpyView> ParseNpy(std::span<const std::byte> file, std::string_view type,
   }
   if (format < 1 || format > 3) return Damaged(path, fmt::format("format {}", format));
   const uint64_t length = format == 1 ? reader.Get<uint16_t>() : reader.Get<uint32_t>();
+  if (length > kMaxHeaderBytes) return Damaged(path, fmt::format("a header of {} bytes", length));
   const std::span<const std::byte> text = reader.GetBytes(length);
   HeaderParser parser({reinterpret_cast<const char*>(text.data()), text.size()});
   Header header = parser.Parse();
   if (!reader.ok() || !parser.ok()) return Damaged(path, "header");
   if (header.type != type) {
     return Fail(ErrorCode::kInvalidArgument, "{} holds numbers of type '{}', '{}' is needed: a.astype('{}')",
-                path.string(), header.type, type, type);
+                path.string(), Shown(header.type), type, type);
   }
   if (header.column_major) {
     return Fail(ErrorCode::kInvalidArgument,

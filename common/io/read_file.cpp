@@ -13,11 +13,10 @@ namespace dadrl {
 namespace {
 
 template <typename Buffer>
-Result<Buffer> Read(const std::filesystem::path& path, uint64_t max_bytes) {
-  DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(path, O_RDONLY));
+Result<Buffer> Read(const std::filesystem::path& path, uint64_t max_bytes, Links links) {
+  DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(path, O_RDONLY, links));
   struct stat info {};
   if (::fstat(file.get(), &info) != 0) return tl::unexpected<Error>(IoError("read", path, errno));
-  if (S_ISDIR(info.st_mode)) return tl::unexpected<Error>(IoError("read", path, EISDIR));
   const auto size = static_cast<uint64_t>(info.st_size);
   if (size > max_bytes) {
     return Fail(ErrorCode::kExhausted, "{} is {} bytes long, at most {} are read: it is not the right file",
@@ -38,12 +37,12 @@ Result<Buffer> Read(const std::filesystem::path& path, uint64_t max_bytes) {
 
 }  // namespace
 
-Result<std::vector<std::byte>> ReadFile(const std::filesystem::path& path, uint64_t max_bytes) {
-  return Read<std::vector<std::byte>>(path, max_bytes);
+Result<std::vector<std::byte>> ReadFile(const std::filesystem::path& path, uint64_t max_bytes, Links links) {
+  return Read<std::vector<std::byte>>(path, max_bytes, links);
 }
 
-Result<std::string> ReadTextFile(const std::filesystem::path& path, uint64_t max_bytes) {
-  return Read<std::string>(path, max_bytes);
+Result<std::string> ReadTextFile(const std::filesystem::path& path, uint64_t max_bytes, Links links) {
+  return Read<std::string>(path, max_bytes, links);
 }
 
 }  // namespace dadrl

@@ -21,7 +21,6 @@ constexpr uint32_t kFormat = 2;
 constexpr uint32_t kFormatWithoutCritic = 1;
 constexpr std::array<std::string_view, 7> kSections = {"scenario",    "seed",  "traffic",  "task",
                                                        "observation", "model", "algorithm"};
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 constexpr std::string_view kRemedy = "take another policy file of the run's checkpoints folder";
 
 std::string_view AsText(std::span<const std::byte> bytes) {
@@ -91,7 +90,7 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
 }
 
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
-  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxFileBytes));
+  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxPolicyBytes, Links::kFollow));
   DADRL_ASSIGN_OR_RETURN(const Content content, CheckedContent(path, bytes));
   ByteReader reader(content.bytes);
   PolicyFile policy;
@@ -106,11 +105,12 @@ Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
   }
   DADRL_RETURN_IF_ERROR(ParseYamlSections(config_yaml, path.string(), kSections, policy.config));
   DADRL_RETURN_IF_ERROR(Validate(policy.config));
-  const auto bad = std::find_if_not(policy.parameters.begin(), policy.parameters.end(),
-                                    [](float value) { return std::isfinite(value); });
-  if (bad != policy.parameters.end()) {
-    return Fail(ErrorCode::kCorrupt, "{}: parameter {} is not finite: {}", path.string(),
-                bad - policy.parameters.begin(), kRemedy);
+  for (const std::vector<float>* values : {&policy.parameters, &policy.critic}) {
+    const auto bad = std::ranges::find_if_not(*values, [](float value) { return std::isfinite(value); });
+    if (bad == values->end()) continue;
+    return Fail(ErrorCode::kCorrupt, "{}: {} {} is not finite: {}", path.string(),
+                values == &policy.parameters ? "parameter" : "critic parameter", bad - values->begin(),
+                kRemedy);
   }
   return policy;
 }

@@ -17,6 +17,9 @@
 
 namespace dadrl {
 
+// No policy is longer: sixteen times the largest networks that a configuration allows.
+constexpr uint64_t kMaxPolicyBytes = uint64_t{1} << 30;
+
 struct PolicyFile {
   uint64_t layout_hash = 0;     // of the flat parameter vector, see ActingPolicy
   uint32_t policy_version = 0;  // as broadcast; 0 when never broadcast
@@ -42,7 +45,7 @@ struct PolicyToSave {
 Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy);
 
 // kNotFound when there is no file, kCorrupt when it is damaged or not a policy, kInvalidArgument when another
-// version of the program wrote it. The policy's parameters are finite. Blocks on the disk.
+// version of the program wrote it. Parameters and critics are finite. Blocks on the disk.
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path);
 
 // Whether `policy` fits networks with these parameters (of an ActingPolicy made from policy.config);

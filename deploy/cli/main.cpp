@@ -1,4 +1,6 @@
 // `dadrl`: what a user types. Exit codes: 0 done, 1 failed, 2 wrong usage.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -6,6 +8,7 @@
 #include <vector>
 
 #include "common/config/config_schema.h"
+#include "common/util/environment.h"
 #include "common/util/log.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/build_info.h"
@@ -42,6 +45,11 @@ int Main(int argc, char** argv) {
       MakeTrainCommand(app),   MakeEvaluateCommand(app), MakeSelectCommand(app),   MakeRenderCommand(app),
       MakeMonitorCommand(app), MakeActorCommand(app),    MakeDoctorCommand(app),   MakeConfigCommand(app),
       MakeExportCommand(app),  MakeActCommand(app),      MakePoliciesCommand(app), MakeReplayCommand(app)};
+  for (const std::string& name : UnknownVariables(environ)) {
+    fmt::print(stderr,
+               "dadrl: the environment variable {} is set, and nothing reads it (there are: {}, {}, {})\n",
+               name, kScenariosVariable, kPoliciesVariable, kIsaVariable);
+  }
   if (RefuseUnknownCommand(argc, argv, commands)) return kWrongUsage;
   try {
     app.parse(argc, argv);

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/config/config_yaml.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_results.h"
@@ -82,7 +81,7 @@ Result<int> RunMonitor(const MonitorOptions& options) {
                 options.run_dir);
   }
   Config config;
-  DADRL_RETURN_IF_ERROR(LoadYaml(paths.config(), config));
+  DADRL_RETURN_IF_ERROR(LoadRunConfig(paths, config));
   if (!IsRunning(paths)) {
     return Fail(ErrorCode::kUnavailable,
                 "{} is not running: start it, or go on with it: dadrl train --resume --run-dir {}",

@@ -65,6 +65,10 @@ Status RenderJob::Wait(CapturedProcess& process, SignalWatcher& signals, ExitSta
     std::array<pollfd, 2> fds = {{{.fd = signals.fd(), .events = POLLIN, .revents = 0},
                                   {.fd = process.child().pidfd(), .events = POLLIN, .revents = 0}}};
     poll(fds.data(), fds.size(), kTickMs);
+    if (process.Overflows()) {
+      return Fail(ErrorCode::kInternal, "{} printed more than {} bytes: it is not the program that draws",
+                  command_.front(), kMaxCapturedBytes);
+    }
     const size_t done = episodes_.size() + static_cast<size_t>(process.OutputLineCount());
     if (signals.StopRequested()) {
       return Fail(ErrorCode::kUnavailable, "stopped after {} of {} episodes", done, planned_);

@@ -5,7 +5,6 @@
 #include <optional>
 #include <thread>
 
-#include "common/config/config_yaml.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/run_to_end.h"
 #include "deploy/local/executables.h"
@@ -31,7 +30,7 @@ Result<int> RunSelect(const SelectOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const RunDirectory run, RunDirectory::OpenExisting(options.run_dir));
   const RunPaths& paths = run.paths();
   Config config;
-  DADRL_RETURN_IF_ERROR(LoadYaml(paths.config(), config));
+  DADRL_RETURN_IF_ERROR(LoadRunConfig(paths, config));
   DADRL_ASSIGN_OR_RETURN(std::vector<SavedPolicy> candidates,
                          NewestPolicies(paths, options.candidates, Warn));
   DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));

@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_port.h"
@@ -100,7 +99,7 @@ Result<int> RunTrain(const TrainOptions& options) {
   std::optional<Config> saved;
   if (options.resume) {
     DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::OpenExisting(options.ResumedDirectory()));
-    DADRL_RETURN_IF_ERROR(LoadYaml(directory->paths().config(), saved.emplace()));
+    DADRL_RETURN_IF_ERROR(LoadRunConfig(directory->paths(), saved.emplace()));
   }
   DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));

@@ -1,12 +1,13 @@
 #include "deploy/local/captured_process.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <utility>
 
 #include "deploy/local/log_tail.h"
@@ -16,12 +17,16 @@ namespace {
 
 Result<FileDescriptor> MemoryFile(const char* name) {
   FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
-  if (!file.valid()) return Fail(ErrorCode::kExhausted, "memfd_create: {}", std::strerror(errno));
+  // Whoever writes, and however many: each at the end.
+  if (!file.valid() || fcntl(file.get(), F_SETFL, O_APPEND) != 0) {
+    return Fail(ErrorCode::kExhausted, "memfd_create: {}", std::strerror(errno));
+  }
   return file;
 }
 
-std::filesystem::path PathOf(const FileDescriptor& file) {
-  return fmt::format("/proc/self/fd/{}", file.get());
+uint64_t SizeOf(const FileDescriptor& file) {
+  struct stat info {};
+  return fstat(file.get(), &info) == 0 ? static_cast<uint64_t>(info.st_size) : 0;
 }
 
 // The message of a log line: stamp, level, role, colon, message.
@@ -39,11 +44,16 @@ CapturedProcess::CapturedProcess(ChildProcess child, FileDescriptor output, File
 Result<CapturedProcess> CapturedProcess::Spawn(std::vector<std::string> command, int nice) {
   DADRL_ASSIGN_OR_RETURN(FileDescriptor output, MemoryFile("output"));
   DADRL_ASSIGN_OR_RETURN(FileDescriptor log, MemoryFile("log"));
-  DADRL_ASSIGN_OR_RETURN(
-      ChildProcess child,
-      ChildProcess::Spawn(
-          {.command = std::move(command), .log = PathOf(log), .stdout_fd = output.get(), .nice = nice}));
+  DADRL_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::Spawn({.command = std::move(command),
+                                                                  .log = {},
+                                                                  .stdout_fd = output.get(),
+                                                                  .log_fd = log.get(),
+                                                                  .nice = nice}));
   return CapturedProcess(std::move(child), std::move(output), std::move(log));
+}
+
+bool CapturedProcess::Overflows() const {
+  return SizeOf(output_) > kMaxCapturedBytes || SizeOf(log_) > kMaxCapturedBytes;
 }
 
 std::string CapturedProcess::Output() const {
@@ -71,7 +81,7 @@ int CapturedProcess::OutputLineCount() const {
   return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
 }
 
-std::vector<std::string> CapturedProcess::LogEnd(size_t lines) const { return LogTail(PathOf(log_), lines); }
+std::vector<std::string> CapturedProcess::LogEnd(size_t lines) const { return LogTail(log_, lines); }
 
 std::string CapturedProcess::LastMessage() const {
   const std::vector<std::string> last = LogEnd(1);

@@ -1,6 +1,7 @@
 // A child process whose output and log are kept in memory until it is asked for.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 
 namespace dadrl {
 
+// Of each, output and log. An evaluation's worker prints half a kilobyte an episode, a thousand at most.
+constexpr uint64_t kMaxCapturedBytes = uint64_t{64} << 20;
+
 // Thread rule as ChildProcess.
 class CapturedProcess {
  public:
@@ -18,6 +22,10 @@ class CapturedProcess {
 
   ChildProcess& child() { return child_; }
   const ChildProcess& child() const { return child_; }
+
+  // Whether the child has printed or logged more than kMaxCapturedBytes: it is none of ours, or has gone mad.
+  // Its owner ends it.
+  bool Overflows() const;
 
   // Standard output until now.
   std::string Output() const;

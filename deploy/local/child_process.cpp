@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/io/file_descriptor.h"
+#include "common/io/io_error.h"
 
 namespace dadrl {
 namespace {
@@ -57,9 +58,10 @@ struct ChildPlan {
   _exit(127);
 }
 
-Result<FileDescriptor> OpenLog(const std::filesystem::path& log) {
-  return FileDescriptor::Open(log.empty() ? std::filesystem::path("/dev/null") : log,
-                              O_WRONLY | O_APPEND | O_CREAT);
+Result<FileDescriptor> OpenNullDevice() {
+  FileDescriptor null(open("/dev/null", O_RDWR | O_CLOEXEC));
+  if (!null.valid()) return tl::unexpected<Error>(IoError("open", "/dev/null", errno));
+  return null;
 }
 
 }  // namespace
@@ -72,8 +74,12 @@ std::string ExitStatus::Describe() const {
 Result<ChildProcess> ChildProcess::Spawn(const SpawnOptions& options) {
   if (options.command.empty()) return Fail(ErrorCode::kInternal, "no command to start");
   const std::string& program = options.command.front();
-  DADRL_ASSIGN_OR_RETURN(const FileDescriptor log, OpenLog(options.log));
-  DADRL_ASSIGN_OR_RETURN(const FileDescriptor null, FileDescriptor::Open("/dev/null", O_RDONLY));
+  DADRL_ASSIGN_OR_RETURN(const FileDescriptor null, OpenNullDevice());
+  FileDescriptor log;
+  if (!options.log.empty() && options.log_fd < 0) {
+    DADRL_ASSIGN_OR_RETURN(log, FileDescriptor::Open(options.log, O_WRONLY | O_APPEND | O_CREAT));
+  }
+  const int log_fd = options.log_fd >= 0 ? options.log_fd : log.valid() ? log.get() : null.get();
   int report_pipe[2];
   if (pipe2(report_pipe, O_CLOEXEC) != 0) {
     return Fail(ErrorCode::kInternal, "cannot start {}: pipe: {}", program, std::strerror(errno));
@@ -83,8 +89,8 @@ Result<ChildProcess> ChildProcess::Spawn(const SpawnOptions& options) {
 
   ChildPlan plan{.argv = {},
                  .null_fd = null.get(),
-                 .out_fd = options.stdout_fd >= 0 ? options.stdout_fd : log.get(),
-                 .error_fd = log.get(),
+                 .out_fd = options.stdout_fd >= 0 ? options.stdout_fd : log_fd,
+                 .error_fd = log_fd,
                  .report_fd = report_write.get(),
                  .nice = options.nice,
                  .parent = getpid()};

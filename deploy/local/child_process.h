@@ -26,6 +26,7 @@ struct SpawnOptions {
   std::vector<std::string> command;  // command[0] is the executable's path; PATH is searched if it has no '/'
   std::filesystem::path log;         // standard output and error are appended; empty: both are discarded
   int stdout_fd = -1;                // >= 0: standard output goes to this open descriptor, borrowed
+  int log_fd = -1;                   // >= 0: instead of `log`, borrowed
   int nice = 0;                      // added to the child's niceness
 };
 

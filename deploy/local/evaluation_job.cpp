@@ -75,6 +75,12 @@ Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
 
 void EvaluationJob::Step() {
   for (size_t i = 0; i < running_.size();) {
+    if (running_[i].process.Overflows()) {
+      error_ = Error{ErrorCode::kInternal,
+                     fmt::format("{} printed more than {} bytes: it is not the program that evaluates",
+                                 plan_.program.string(), kMaxCapturedBytes)};
+      break;
+    }
     const auto status = running_[i].process.child().TryWait();
     if (!status) {
       ++i;

@@ -1,10 +1,10 @@
 #include "deploy/local/executables.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <system_error>
 
 #include "common/config/config_schema.h"
+#include "common/util/environment.h"
 
 namespace dadrl {
 namespace {
@@ -32,8 +32,7 @@ Result<fs::path> FindExecutable(std::string_view name) {
 fs::path SharedFolder() { return OwnFolder().parent_path() / "share/dadrl"; }
 
 fs::path ScenarioFolder() {
-  if (const char* folder = std::getenv("DADRL_SCENARIOS"); folder != nullptr && *folder != '\0')
-    return folder;
+  if (const auto folder = FromEnvironment(kScenariosVariable)) return *folder;
   return SharedFolder() / "scenarios";
 }
 
@@ -50,8 +49,8 @@ std::vector<std::string> ScenarioNames() {
 Status CheckScenario(const std::string& name) {
   const std::vector<std::string> names = ScenarioNames();
   if (names.empty()) {
-    return Fail(ErrorCode::kNotFound, "no scenarios in {}: build everything (cmake --build --preset release)",
-                ScenarioFolder().string());
+    return Fail(ErrorCode::kNotFound, "no scenarios in {}: {}", ScenarioFolder().string(),
+                FolderRemedy(kScenariosVariable, "build everything (cmake --build --preset release)"));
   }
   if (name == kAllScenarios || std::find(names.begin(), names.end(), name) != names.end()) return {};
   return Fail(ErrorCode::kInvalidArgument, "unknown scenario '{}'; the nearest is '{}' (there are: {})", name,

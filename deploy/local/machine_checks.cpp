@@ -39,9 +39,8 @@ std::string Content(const FileDescriptor& file) {
 // Runs a short command and returns what it printed; killed after ten seconds.
 CommandResult Capture(std::vector<std::string> command) {
   const FileDescriptor output(memfd_create("output", MFD_CLOEXEC));
-  auto child = ChildProcess::Spawn({.command = std::move(command),
-                                    .log = fmt::format("/proc/self/fd/{}", output.get()),
-                                    .stdout_fd = output.get()});
+  auto child = ChildProcess::Spawn(
+      {.command = std::move(command), .log = {}, .stdout_fd = output.get(), .log_fd = output.get()});
   if (!child) return {.ran = false, .output = child.error().message};
   pollfd fd{.fd = child->pidfd(), .events = POLLIN, .revents = 0};
   if (poll(&fd, 1, 10'000) != 1) return {.ran = false, .output = "it does not answer within ten seconds"};

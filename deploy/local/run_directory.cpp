@@ -1,6 +1,7 @@
 #include "deploy/local/run_directory.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -36,6 +37,14 @@ std::string Holder(const RunPaths& paths) {
 
 Result<RunDirectory> RunDirectory::Lock(RunPaths paths) {
   DADRL_ASSIGN_OR_RETURN(FileDescriptor lock, FileDescriptor::Open(paths.lock(), O_RDWR | O_CREAT));
+  struct stat info {};
+  if (fstat(lock.get(), &info) != 0 || info.st_nlink != 1) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "{} has {} names: the folder was copied with hard links, and a run in it would write into the "
+        "other; copy it with cp -a",
+        paths.lock().string(), info.st_nlink);
+  }
   struct flock exclusive = WholeFile(F_WRLCK);
   if (fcntl(lock.get(), F_OFD_SETLK, &exclusive) != 0) {
     return Fail(ErrorCode::kUnavailable,
@@ -83,6 +92,10 @@ Result<RunDirectory> RunDirectory::OpenExisting(const fs::path& root) {
 
 Status RunDirectory::SaveConfig(const Config& config) const {
   return WriteFileAtomically(paths_.config(), std::string_view(ToYaml(config, false)));
+}
+
+Status LoadRunConfig(const RunPaths& paths, Config& config) {
+  return LoadYaml(paths.config(), config, Links::kRefuse);
 }
 
 void RunDirectory::KeepAcrossExec() const { fcntl(lock_.get(), F_SETFD, 0); }

@@ -39,7 +39,8 @@ class RunDirectory {
   // Creates `root` with its folders for a new run. kInvalidArgument when it holds a run already or is not a
   // folder; kUnavailable when another process uses it.
   static Result<RunDirectory> CreateNew(const std::filesystem::path& root);
-  // Opens an existing run to go on with it. kNotFound when there is none.
+  // Opens an existing run to go on with it. kNotFound when there is none. Like CreateNew kInvalidArgument
+  // when `lock` is no file of the run's own: a link, or one that has another name elsewhere.
   static Result<RunDirectory> OpenExisting(const std::filesystem::path& root);
 
   const RunPaths& paths() const { return paths_; }
@@ -55,6 +56,9 @@ class RunDirectory {
   RunPaths paths_;
   FileDescriptor lock_;
 };
+
+// The configuration of a run, of its own config.yaml: not of what a link there names. Overlays `config`.
+Status LoadRunConfig(const RunPaths& paths, Config& config);
 
 // True when a launcher holds the run directory now.
 bool IsRunning(const RunPaths& paths);

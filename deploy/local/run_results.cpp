@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/io/atomic_file.h"
+#include "common/io/json_text.h"
 #include "common/io/read_file.h"
 #include "deploy/local/build_info.h"
 
@@ -14,9 +15,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kMaxBytes = uint64_t{64} << 20;
 
+// 0 for what is no count, and for what no run has come to.
 double Number(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
+  constexpr double kMost = 1e15;
+  return JsonFields(json).Number(key, 0.0, kMost);
 }
 
 Json EvaluationJson(const EvaluatedAt& at, const EvaluationReport& report) {
@@ -33,7 +35,7 @@ Json EvaluationJson(const EvaluatedAt& at, const EvaluationReport& report) {
 RunResults RunResults::Load(const std::filesystem::path& path, const Config& config) {
   RunResults results(path);
   if (const auto text = ReadTextFile(path, kMaxBytes)) {
-    results.json_ = Json::parse(*text, nullptr, false);
+    results.json_ = ParseJson(*text, path.string()).value_or(Json());
     if (!results.json_.is_object()) {
       std::error_code ignored;
       std::filesystem::rename(path, path.string() + ".corrupt", ignored);
@@ -74,7 +76,7 @@ Status RunResults::Save() const { return WriteFileAtomically(path_, std::string_
 
 std::string LastEvaluation(const std::filesystem::path& results) {
   const auto text = ReadTextFile(results, kMaxBytes);
-  const Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  const Json json = text ? ParseJson(*text, results.string()).value_or(Json()) : Json();
   if (!json.is_object()) return "";
   const Json* last = json.contains("final") ? &json["final"] : nullptr;
   if (last == nullptr && json.contains("evaluations") && json["evaluations"].is_array() &&

@@ -1,11 +1,12 @@
 #include "deploy/local/shipped_policies.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <system_error>
 
 #include "common/config/config_schema.h"
+#include "common/io/json_text.h"
 #include "common/io/read_file.h"
+#include "common/util/environment.h"
 #include "deploy/local/executables.h"
 
 namespace dadrl {
@@ -17,15 +18,16 @@ constexpr std::string_view kPrefix = "pretrained:";
 constexpr uint64_t kMaxRecordBytes = uint64_t{1} << 20;
 
 nlohmann::ordered_json ReadRecord(const fs::path& file) {
-  const auto text = ReadTextFile(file, kMaxRecordBytes);
-  auto record = text ? nlohmann::ordered_json::parse(*text, nullptr, false) : nlohmann::ordered_json();
+  const auto text = ReadTextFile(file, kMaxRecordBytes, Links::kFollow);
+  auto record =
+      text ? ParseJson(*text, file.string()).value_or(nlohmann::ordered_json()) : nlohmann::ordered_json();
   return record.is_object() ? record : nlohmann::ordered_json::object();
 }
 
 }  // namespace
 
 fs::path PolicyFolder() {
-  if (const char* folder = std::getenv("DADRL_POLICIES"); folder != nullptr && *folder != '\0') return folder;
+  if (const auto folder = FromEnvironment(kPoliciesVariable)) return *folder;
   return SharedFolder() / "policies";
 }
 
@@ -46,8 +48,8 @@ Result<std::string> ResolvePolicy(const std::string& policy) {
   const std::string name = policy.substr(kPrefix.size());
   const std::vector<ShippedPolicy> policies = ShippedPolicies();
   if (policies.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "{}: no policy ships in {}; train one or set DADRL_POLICIES",
-                policy, PolicyFolder().string());
+    return Fail(ErrorCode::kInvalidArgument, "{}: no policy ships in {}; {}", policy, PolicyFolder().string(),
+                FolderRemedy(kPoliciesVariable, "train one or set DADRL_POLICIES"));
   }
   std::vector<std::string> names;
   for (const ShippedPolicy& shipped : policies) {

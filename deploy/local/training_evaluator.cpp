@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/io/atomic_file.h"
+#include "common/io/read_file.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/executables.h"
 
@@ -43,12 +45,9 @@ Status TrainingEvaluator::StartFinal() {
 }
 
 Status TrainingEvaluator::StartEvaluation(const std::filesystem::path& policy_file, bool final) {
-  std::error_code error;
-  std::filesystem::copy_file(policy_file, paths_.evaluated_policy(),
-                             std::filesystem::copy_options::overwrite_existing, error);
-  if (error) {
-    return Fail(ErrorCode::kNotFound, "cannot copy {} to evaluate it: {}", policy_file.string(),
-                error.message());
+  {
+    DADRL_ASSIGN_OR_RETURN(const auto bytes, ReadFile(policy_file, kMaxPolicyBytes, Links::kFollow));
+    DADRL_RETURN_IF_ERROR(WriteFileAtomically(paths_.evaluated_policy(), bytes));
   }
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(paths_.evaluated_policy()));
   DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));

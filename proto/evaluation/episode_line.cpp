@@ -1,8 +1,9 @@
 #include "proto/evaluation/episode_line.h"
 
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
+#include "common/io/json_text.h"
 #include "proto/evaluation/summary_fields.h"
 
 namespace dadrl {
@@ -18,18 +19,29 @@ nlohmann::ordered_json CollisionJson(const CollisionSummary& collision) {
           {"lane_changer", LaneChangerName(collision.lane_changer)}};
 }
 
-Result<CollisionSummary> ParseCollision(const nlohmann::json& json) {
-  const auto side = ContactSideFromName(json.at("side").get<std::string>());
-  const auto changer = LaneChangerFromName(json.at("lane_changer").get<std::string>());
-  if (!side || !changer) {
-    return Fail(ErrorCode::kCorrupt, "an episode line has the unknown collision {}", json.dump());
-  }
-  return CollisionSummary{.side = *side,
-                          .ego_speed_mps = json.at("ego_speed_mps").get<double>(),
-                          .other_speed_mps = json.at("other_speed_mps").get<double>(),
-                          .relative_heading_rad = json.at("relative_heading_rad").get<double>(),
-                          .junction = json.at("junction").get<bool>(),
-                          .lane_changer = *changer};
+// What a measured field may come to: far beyond any, and still a number to compute with.
+constexpr double kLargest = 1e9;
+constexpr uint64_t kMostSteps = 1'000'000'000;
+
+tl::unexpected<Error> Wrong(const std::string& field) {
+  return Fail(ErrorCode::kCorrupt, "an episode line without a possible '{}'", field);
+}
+
+Result<CollisionSummary> ParseCollision(const nlohmann::ordered_json& json) {
+  JsonFields fields(json);
+  const auto side = ContactSideFromName(fields.Text("side", kMaxName));
+  const auto changer = LaneChangerFromName(fields.Text("lane_changer", kMaxName));
+  if (!side) fields.Refuse("side");
+  if (!changer) fields.Refuse("lane_changer");
+  CollisionSummary collision;
+  collision.ego_speed_mps = fields.Number("ego_speed_mps", -kLargest, kLargest);
+  collision.other_speed_mps = fields.Number("other_speed_mps", -kLargest, kLargest);
+  collision.relative_heading_rad = fields.Number("relative_heading_rad", -kLargest, kLargest);
+  collision.junction = fields.Boolean("junction");
+  if (!fields.ok()) return Wrong("crash." + fields.bad());
+  collision.side = *side;
+  collision.lane_changer = *changer;
+  return collision;
 }
 
 }  // namespace
@@ -81,32 +93,34 @@ std::string EpisodeLine(const EvaluatedEpisode& episode) {
 }
 
 Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {
-  try {
-    const auto json = nlohmann::json::parse(line);
-    EvaluatedEpisode episode;
-    json.at("group").get_to(episode.group);
-    json.at("seed").get_to(episode.summary.seed);
-    json.at("scenario").get_to(episode.summary.scenario);
-    if (json.contains("error")) {
-      json.at("error").get_to(episode.error);
-      if (!episode.lost()) return Fail(ErrorCode::kCorrupt, "an episode line has an empty error");
-      return episode;
-    }
-    const auto name = json.at("outcome").get<std::string>();
-    const std::optional<Outcome> outcome = OutcomeFromName(name);
-    if (!outcome) return Fail(ErrorCode::kCorrupt, "an episode line has the unknown outcome '{}'", name);
-    episode.summary.outcome = *outcome;
-    json.at("steps").get_to(episode.summary.steps);
-    for (const SummaryField& field : kSummaryFields) {
-      episode.summary.*field.value = json.at(field.name).get<double>();
-    }
-    if (json.contains("crash")) {
-      DADRL_ASSIGN_OR_RETURN(episode.summary.collision, ParseCollision(json.at("crash")));
-    }
-    return episode;
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kCorrupt, "not an episode line: {}", error.what());
+  if (line.size() > kMaxEpisodeLine) {
+    return Fail(ErrorCode::kCorrupt, "an episode line of {} bytes, at most {} are read", line.size(),
+                kMaxEpisodeLine);
   }
+  DADRL_ASSIGN_OR_RETURN(const nlohmann::ordered_json json, ParseJson(line, "an episode line"));
+  JsonFields fields(json);
+  EvaluatedEpisode episode;
+  EpisodeSummary& summary = episode.summary;
+  episode.group = static_cast<int>(fields.Whole("group", kMaxSeedGroups));
+  summary.seed = fields.Whole("seed", UINT64_MAX);
+  summary.scenario = fields.Text("scenario", kMaxName);
+  if (fields.Has("error")) {
+    episode.error = fields.Text("error", kMaxEpisodeLine);
+    if (!episode.lost()) fields.Refuse("error");
+    return fields.ok() ? Result<EvaluatedEpisode>(std::move(episode)) : Wrong(fields.bad());
+  }
+  const std::optional<Outcome> outcome = OutcomeFromName(fields.Text("outcome", kMaxName));
+  if (!outcome) fields.Refuse("outcome");
+  summary.steps = static_cast<int>(fields.Whole("steps", kMostSteps));
+  for (const SummaryField& field : kSummaryFields) {
+    summary.*field.value = fields.Number(field.name, -kLargest, kLargest);
+  }
+  if (!fields.ok()) return Wrong(fields.bad());
+  summary.outcome = *outcome;
+  if (const auto* crash = fields.Find("crash")) {
+    DADRL_ASSIGN_OR_RETURN(summary.collision, ParseCollision(*crash));
+  }
+  return episode;
 }
 
 }  // namespace dadrl

@@ -46,9 +46,14 @@ struct EvaluatedEpisode {
   bool operator==(const EvaluatedEpisode&) const = default;
 };
 
+// No such line is longer, nor one of a rendered episode; nor is a scenario's or an outcome's name.
+constexpr size_t kMaxEpisodeLine = size_t{1} << 16;
+constexpr size_t kMaxName = 255;
+constexpr uint64_t kMaxSeedGroups = 1'000'000;
+
 // Without a line break. Round-trips exactly.
 std::string EpisodeLine(const EvaluatedEpisode& episode);
-// kCorrupt: not such a line; names what is wrong.
+// kCorrupt: not such a line; names the field that is wrong. Every number is finite and within 1e9.
 Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line);
 
 }  // namespace dadrl

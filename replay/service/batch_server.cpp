@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/config/validate.h"
 #include "common/util/log.h"
 #include "proto/sample_batch.h"
 #include "proto/sequence_batch.h"
@@ -15,7 +16,7 @@ namespace {
 
 // Between two looks at the priorities, which have no wait of their own, and at a reader that is not there.
 constexpr Duration kWait = std::chrono::milliseconds(10);
-constexpr size_t kMaxReplyBytes = size_t{64} << 20;
+constexpr auto kMaxReplyBytes = static_cast<size_t>(kMaxBatchBytes);
 
 }  // namespace
 

@@ -71,8 +71,12 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   uint64_t bytes = 0;
   for (const auto& [id, path] : files) {
     next_id_ = id + 1;
-    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment,
-                           Segment::Open(path, id, options_.schema, options_.force));
+    auto opened = Segment::Open(path, id, options_.schema, options_.force);
+    if (!opened && opened.error().code == ErrorCode::kInvalidArgument) {
+      spdlog::warn("{}", opened.error().message);  // a link or a device: not ours, and in nobody's way
+      continue;
+    }
+    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, std::move(opened));
     DADRL_ASSIGN_OR_RETURN(const Segment::Scan scan, segment->Recover([&](std::span<const std::byte> record) {
       return visit(segment, record);
     }));

@@ -85,14 +85,14 @@ SnapshotUse UseOfSnapshots(const fs::path& folder, const fs::path& shard) {
     std::error_code error;
     for (const fs::directory_entry& entry : fs::directory_iterator(directory, error)) {
       struct stat status {};
-      if (stat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+      if (lstat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
       if (counted.insert(status.st_ino).second && counts) use.bytes += static_cast<uint64_t>(status.st_size);
     }
   };
   visit(shard, false);
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!entry.is_directory(error)) continue;
+    if (entry.symlink_status(error).type() != fs::file_type::directory) continue;
     ++use.snapshots;
     visit(entry.path(), true);
   }

@@ -1,19 +1,17 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <system_error>
 
-#include "common/io/mapped_file.h"
-#include "common/io/npy.h"
-#include "common/io/read_file.h"
+#include "common/config/config_yaml.h"
+#include "common/io/io_error.h"
+#include "common/util/clock.h"
+#include "proto/experience_bounds.h"
 #include "replay/storage/segment_log.h"
 #include "replay/storage/state_file.h"
-#include "replay/tools/array_layout.h"
+#include "replay/tools/imported_arrays.h"
 #include "replay/tools/tool.h"
 
 namespace dadrl {
@@ -21,75 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxIndexBytes = 1 << 20;
-
-// The arrays of an exported folder, mapped: only the rows that are read are resident.
-class Arrays {
- public:
-  static Result<Arrays> Open(const fs::path& folder) {
-    Arrays arrays;
-    DADRL_RETURN_IF_ERROR(arrays.ReadIndex(folder / kArrayIndex));
-    for (const ArrayLayout& layout : ArrayLayouts(arrays.spec_)) {
-      const fs::path path = folder / (layout.name + ".npy");
-      DADRL_ASSIGN_OR_RETURN(MappedFile file, MappedFile::Open(path));
-      DADRL_ASSIGN_OR_RETURN(const NpyView view, ParseNpy(file.bytes(), layout.type, path));
-      std::vector<size_t> shape = layout.row;
-      shape.insert(shape.begin(), arrays.rows_);
-      if (view.shape != shape) {
-        return Fail(ErrorCode::kInvalidArgument, "{} has shape {}, {} says {}", path.string(),
-                    ShapeText(view.shape), kArrayIndex, ShapeText(shape));
-      }
-      arrays.columns_.push_back({layout, view.values, std::move(file)});
-    }
-    return arrays;
-  }
-  std::span<const std::byte> Row(Column column, uint64_t row) const {
-    const auto& [layout, values, file] = columns_[static_cast<size_t>(column)];
-    return values.subspan(row * layout.row_bytes, layout.row_bytes);
-  }
-  template <typename T>
-  T Value(Column column, uint64_t row) const {
-    T value;
-    std::memcpy(&value, Row(column, row).data(), sizeof(T));
-    return value;
-  }
-  uint64_t rows() const { return rows_; }
-  const ObservationSpec& spec() const { return spec_; }
-  FloatCoding floats() const { return floats_; }
-
- private:
-  struct Mapped {
-    ArrayLayout layout;
-    std::span<const std::byte> values;
-    MappedFile file;
-  };
-  Status ReadIndex(const fs::path& path) {
-    DADRL_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path, kMaxIndexBytes));
-    try {
-      const nlohmann::json index = nlohmann::json::parse(text);
-      if (index.at("format") != "dadrl experience" || index.at("version") != kArrayFormat) {
-        return Fail(ErrorCode::kCorrupt, "{} is no index of experience of version {}", path.string(),
-                    kArrayFormat);
-      }
-      rows_ = index.at("rows").get<uint64_t>();
-      spec_.vehicles = index.at("observation").at("vehicles").get<int>();
-      spec_.history = index.at("observation").at("history").get<int>();
-      floats_ = index.at("floats") == "float32" ? FloatCoding::kFloat32 : FloatCoding::kFloat16;
-    } catch (const nlohmann::json::exception& exception) {
-      return Fail(ErrorCode::kCorrupt, "{}: {}", path.string(), exception.what());
-    }
-    if (spec_.vehicles < 1 || spec_.vehicles > 64 || spec_.history < 1 || spec_.history > 50) {
-      return Fail(ErrorCode::kCorrupt, "{}: {} vehicles and {} rows of history are out of range",
-                  path.string(), spec_.vehicles, spec_.history);
-    }
-    return {};
-  }
-
-  uint64_t rows_ = 0;
-  ObservationSpec spec_;
-  FloatCoding floats_ = FloatCoding::kFloat16;
-  std::vector<Mapped> columns_;
-};
+// How far ahead of this machine's another's clock may be.
+constexpr uint64_t kClockSkewNs = uint64_t{86400} * 1'000'000'000;
 
 // The log of one shard, written chunk by chunk; what its restart must know goes into the state file.
 class ShardWriter {
@@ -130,8 +61,10 @@ class ShardWriter {
 
 class Importer {
  public:
-  Importer(const Arrays& arrays, std::vector<std::unique_ptr<ShardWriter>> shards)
+  Importer(const ImportedArrays& arrays, const ExperienceBounds& bounds,
+           std::vector<std::unique_ptr<ShardWriter>> shards)
       : arrays_(arrays),
+        bounds_(bounds),
         shards_(std::move(shards)),
         builder_(arrays.spec(), arrays.floats()),
         observation_(arrays.spec()) {}
@@ -168,6 +101,7 @@ class Importer {
 
   Status AddFrame(uint64_t row) {
     DADRL_RETURN_IF_ERROR(LoadObservation(row));
+    DADRL_RETURN_IF_ERROR(CheckFlags(row));
     if (arrays_.Value<uint8_t>(Column::kHasAction, row) == 0) {
       builder_.AddFinal(observation_);
       ended_ = true;
@@ -175,10 +109,12 @@ class Importer {
     }
     Action action{};
     std::memcpy(action.data(), arrays_.Row(Column::kActions, row).data(), sizeof(action));
+    const auto reward = arrays_.Value<float>(Column::kRewards, row);
+    DADRL_RETURN_IF_ERROR(CheckDecision(row, action, reward));
     const bool terminated = arrays_.Value<uint8_t>(Column::kTerminated, row) != 0;
     const bool truncated = arrays_.Value<uint8_t>(Column::kTruncated, row) != 0;
     builder_.AddTransition(
-        observation_, action, arrays_.Value<float>(Column::kRewards, row),
+        observation_, action, reward,
         static_cast<uint8_t>((terminated ? kTerminated : 0) | (truncated ? kTruncated : 0)),
         arrays_.Value<uint32_t>(Column::kPolicyVersion, row));
     ++transitions_;
@@ -186,12 +122,38 @@ class Importer {
     return {};
   }
 
+  Status CheckFlags(uint64_t row) const {
+    for (const Column column : {Column::kHasAction, Column::kTerminated, Column::kTruncated}) {
+      if (arrays_.Value<uint8_t>(column, row) <= 1) continue;
+      return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds something else than 0 and 1", row,
+                  arrays_.Name(column));
+    }
+    const auto incarnation = arrays_.Value<uint64_t>(Column::kIncarnation, row);
+    if (incarnation <= static_cast<uint64_t>(WallTimeNs()) + kClockSkewNs) return {};
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "row {}: incarnation {} is a time to come: the run's own actors would be taken for older ones", row,
+        incarnation);
+  }
+
+  Status CheckDecision(uint64_t row, const Action& action, float reward) const {
+    if (!IsPossibleAction(action)) {
+      return Fail(ErrorCode::kInvalidArgument, "row {}: the action ({}, {}) is not within [-1, 1]", row,
+                  action[0], action[1]);
+    }
+    if (bounds_.AllowsReward(reward)) return {};
+    return Fail(ErrorCode::kInvalidArgument,
+                "row {}: a reward of {}, a decision of this task earns at most {:.4g} either way; give the "
+                "configuration it was collected with: --config RUN/config.yaml",
+                row, reward, bounds_.reward);
+  }
+
   Status LoadObservation(uint64_t row) {
     const auto load = [&](Column column, std::vector<float>& values) {
       std::memcpy(values.data(), arrays_.Row(column, row).data(), values.size() * sizeof(float));
-      return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+      return ArePossibleFeatures(values);
     };
-    const bool finite =
+    const bool possible =
         load(Column::kVehicles, observation_.vehicles) && load(Column::kEgo, observation_.ego);
     const std::span<const std::byte> pixels = arrays_.Row(Column::kContext, row);
     std::fill(observation_.context.begin(), observation_.context.end(), uint8_t{0});
@@ -202,10 +164,12 @@ class Importer {
       observation_.context[i / 8] =
           static_cast<uint8_t>(observation_.context[i / 8] | (pixel & 1) << (i % 8));
     }
-    if (finite && binary) return {};
+    if (possible && binary) return {};
     return Fail(ErrorCode::kInvalidArgument, "row {}: {}", row,
-                finite ? "context.npy holds something else than 0 and 1"
-                       : "vehicles.npy or ego.npy holds a number that is not finite");
+                possible
+                    ? "context.npy holds something else than 0 and 1"
+                    : fmt::format("vehicles.npy or ego.npy holds a number that is not within [-{0}, {0}]",
+                                  ObservationSpec::kFeatureBound));
   }
 
   // Stores the chunk under way, which ends before `row`.
@@ -234,7 +198,8 @@ class Importer {
     return {};
   }
 
-  const Arrays& arrays_;
+  const ImportedArrays& arrays_;
+  const ExperienceBounds bounds_;
   const std::vector<std::unique_ptr<ShardWriter>> shards_;
   ChunkBuilder builder_;
   Observation observation_;
@@ -247,25 +212,56 @@ class Importer {
 struct Options {
   std::string directory;
   std::string from;
+  std::string config;
   uint32_t shards = 1;
 };
 
+// The folder that is made. Whatever goes wrong afterwards, nothing that was there before is removed.
+class NewFolder {
+ public:
+  static Result<NewFolder> Create(const fs::path& path) {
+    std::error_code error;
+    const fs::file_status there = fs::symlink_status(path, error);
+    const bool exists = there.type() != fs::file_type::not_found;
+    if (exists && (there.type() != fs::file_type::directory || !fs::is_empty(path, error))) {
+      return Fail(ErrorCode::kInvalidArgument, "{} is there and no empty folder; name a new one",
+                  path.string());
+    }
+    if (!exists) fs::create_directories(path, error);
+    if (error) return tl::unexpected(IoError("create", path, error.value()));
+    return NewFolder(path, !exists);
+  }
+  // What was made in it, and it, unless it was there.
+  void Remove(uint32_t shards) const {
+    std::error_code ignored;  // the first error is the one to report
+    for (uint32_t shard = 0; shard < shards; ++shard) fs::remove_all(Shard(shard), ignored);
+    if (ours_) fs::remove(path_, ignored);
+  }
+  fs::path Shard(uint32_t shard) const { return path_ / fmt::format("shard-{}", shard); }
+
+ private:
+  NewFolder(fs::path path, bool ours) : path_(std::move(path)), ours_(ours) {}
+  fs::path path_;
+  bool ours_;
+};
+
+Status Fill(const NewFolder& folder, const ImportedArrays& arrays, const ExperienceBounds& bounds,
+            uint32_t shards) {
+  std::vector<std::unique_ptr<ShardWriter>> writers;
+  for (uint32_t shard = 0; shard < shards; ++shard) {
+    DADRL_ASSIGN_OR_RETURN(auto writer, ShardWriter::Create(folder.Shard(shard), SchemaHash(arrays.spec())));
+    writers.push_back(std::move(writer));
+  }
+  return Importer(arrays, bounds, std::move(writers)).Run();
+}
+
 Result<int> Import(const Options& options) {
-  std::error_code error;
-  if (fs::exists(options.directory, error) && !fs::is_empty(options.directory, error)) {
-    return Fail(ErrorCode::kInvalidArgument, "{} is there and not empty; name a new folder",
-                options.directory);
-  }
-  DADRL_ASSIGN_OR_RETURN(const Arrays arrays, Arrays::Open(options.from));
-  std::vector<std::unique_ptr<ShardWriter>> shards;
-  for (uint32_t shard = 0; shard < options.shards; ++shard) {
-    DADRL_ASSIGN_OR_RETURN(auto writer,
-                           ShardWriter::Create(fs::path(options.directory) / fmt::format("shard-{}", shard),
-                                               SchemaHash(arrays.spec())));
-    shards.push_back(std::move(writer));
-  }
-  if (Status done = Importer(arrays, std::move(shards)).Run(); !done) {
-    fs::remove_all(options.directory, error);  // all or nothing
+  Config config;
+  if (!options.config.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(options.config, config));
+  DADRL_ASSIGN_OR_RETURN(const ImportedArrays arrays, ImportedArrays::Open(options.from));
+  DADRL_ASSIGN_OR_RETURN(const NewFolder folder, NewFolder::Create(options.directory));
+  if (Status done = Fill(folder, arrays, ExperienceBounds::From(config), options.shards); !done) {
+    folder.Remove(options.shards);  // all or nothing
     return tl::unexpected(std::move(done.error()));
   }
   fmt::print(stderr, "{} frames in {}\n", arrays.rows(), options.directory);
@@ -281,6 +277,10 @@ Tool MakeImportTool(CLI::App& replay) {
                   "New folder; its shard-K belong into the `replay` folder of a run")
       ->required();
   app->add_option("--from", options->from, "Folder of an export")->required()->type_name("ARRAYS");
+  app->add_option(
+         "--config", options->config,
+         "Configuration it was collected with, which says what a reward can be (default: dadrl's own)")
+      ->type_name("FILE");
   app->add_option("--shards", options->shards, "Spread over so many shards, by actor (default 1)")
       ->check(CLI::Range(1, 16));
   return {app, [options] { return Import(*options); }};

@@ -59,6 +59,10 @@ Status LinkFiles(const fs::path& from, const fs::path& to) {
   if (error) return tl::unexpected(IoError("create", to, error.value()));
   for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
     const fs::path target = to / entry.path().filename();
+    if (entry.symlink_status(error).type() != fs::file_type::regular) {
+      return Fail(ErrorCode::kCorrupt, "{} is no file: a snapshot holds nothing else; remove it",
+                  entry.path().string());
+    }
     fs::create_hard_link(entry.path(), target, error);
     if (error) fs::copy_file(entry.path(), target, error);
     if (error) return tl::unexpected(IoError("link", target, error.value()));

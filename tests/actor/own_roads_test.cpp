@@ -96,7 +96,7 @@ TEST(OwnRoad, CarsEnterAgainOnlyOnLanesTheyMayUse) {
 TEST(OwnRoad, TheStepIsNotForScenarios) {
   const auto scenario = LoadScenario("coarse_step", kRoads);
   ASSERT_FALSE(scenario);
-  EXPECT_THAT(scenario.error().message, HasSubstr("line 14"));
+  EXPECT_THAT(scenario.error().message, HasSubstr(":14: "));
   EXPECT_THAT(scenario.error().message, HasSubstr("'step-length' is not for scenarios: a step is 0.1 s"));
 }
 

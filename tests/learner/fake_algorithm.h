@@ -33,6 +33,7 @@ class FakeAlgorithm final : public Algorithm {
     }
     random_ = random.state();
     td_error_.assign(static_cast<size_t>(batch.size), static_cast<float>(updates_));
+    if (updates_ == run_away_at_) loss = 1e57;
     return UpdateStats{.critic_loss = loss, .temperature = 0.05};
   }
   std::span<const float> td_error() const override { return td_error_; }
@@ -47,6 +48,8 @@ class FakeAlgorithm final : public Algorithm {
 
   // The update of this number (counted from 1) fails as one with a NaN does.
   void FailAt(uint64_t update) { fail_at_ = update; }
+  // The update of this number reports a loss that no rewards account for.
+  void RunAwayAt(uint64_t update) { run_away_at_ = update; }
   // A weight goes bad without the loss showing it.
   void SpoilPolicy() { policy_[7] = std::nanf(""); }
 
@@ -57,6 +60,7 @@ class FakeAlgorithm final : public Algorithm {
   uint64_t updates_ = 0;
   Random::State random_;
   uint64_t fail_at_ = 0;
+  uint64_t run_away_at_ = 0;
 };
 
 inline std::vector<std::byte> StateOf(Algorithm& algorithm) {

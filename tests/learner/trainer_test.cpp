@@ -69,26 +69,41 @@ TEST_F(TrainerTest, ResumedRunPublishesAtOnceAboveEveryUsedVersion) {
   EXPECT_EQ(BeginTraining(config_, store, 16, true, algorithm)->weights_version, 16u);
 }
 
-TEST_F(TrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
-  config_.learner.publish_interval_s = 0.01;
-  TestLearner run(config_, folder_.path(), false);
-  run.fake().FailAt(4);
-  run.Steps(3);
-  ASSERT_TRUE(run.trainer->SaveNow());
-  const size_t published = run.publisher.versions.size();
-  run.clock.Advance(1h);
-  const std::atomic<bool> stop{false};
-  const auto ended = run.trainer->Run(stop);
-  ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
-  EXPECT_THAT(ended.error().message, HasSubstr("critic loss is not finite"));
-  EXPECT_EQ(run.publisher.versions.size(), published);
-  EXPECT_EQ(run.batches.lent, 0);
-  EXPECT_EQ(CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3})
-                ->LoadNewest()
-                .value()
-                ->checkpoint.updates,
-            3u);
+// Ends the training that `spoil` makes fail in update 4 of it, an hour after the checkpoint at update 3.
+class FailingTrainerTest : public TrainerTest {
+ protected:
+  template <typename Spoil>
+  std::string EndOf(Spoil spoil) {
+    config_.learner.publish_interval_s = 0.01;
+    TestLearner run(config_, folder_.path(), false);
+    spoil(run.fake());
+    run.Steps(3);
+    EXPECT_TRUE(run.trainer->SaveNow());
+    const size_t published = run.publisher.versions.size();
+    run.clock.Advance(1h);
+    const std::atomic<bool> stop{false};
+    const auto ended = run.trainer->Run(stop);
+    EXPECT_EQ(run.publisher.versions.size(), published);
+    EXPECT_EQ(run.batches.lent, 0);
+    EXPECT_EQ(CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3})
+                  ->LoadNewest()
+                  .value()
+                  ->checkpoint.updates,
+              3u);
+    EXPECT_FALSE(ended);
+    if (ended) return "";
+    EXPECT_EQ(ended.error().code, ErrorCode::kInternal);
+    return ended.error().message;
+  }
+};
+
+TEST_F(FailingTrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
+  EXPECT_THAT(EndOf([](FakeAlgorithm& fake) { fake.FailAt(4); }), HasSubstr("critic loss is not finite"));
+}
+
+TEST_F(FailingTrainerTest, LossesThatRunAwayDoTheSame) {
+  EXPECT_THAT(EndOf([](FakeAlgorithm& fake) { fake.RunAwayAt(4); }),
+              HasSubstr("the training has run away: in update 4 the critic loss is 1e+57"));
 }
 
 TEST_F(TrainerTest, EndsWithTheReasonWhenNoBatchWillComeAnyMore) {

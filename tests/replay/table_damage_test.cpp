@@ -33,6 +33,23 @@ TEST_F(TableDamage, ADamagedStateFileCostsOnlyTheCounters) {
   EXPECT_EQ(table->stats().items, 20u);
 }
 
+TEST_F(TableDamage, ALinkAmongTheSegmentsIsNeitherReadNorWrittenTo) {
+  MemoryFolder theirs;
+  {
+    auto table = Open();
+    Store(*table, 1, 4);
+  }
+  const auto segment = Segments(folder_.path()).at(0);
+  const auto moved = theirs.path() / "theirs";
+  std::filesystem::copy_file(segment, moved);
+  std::filesystem::resize_file(moved, std::filesystem::file_size(moved) - 1);  // a recovery would cut it
+  const auto size = std::filesystem::file_size(moved);
+  std::filesystem::create_symlink(moved, folder_.path() / "segment-000000000077.log");
+  auto table = Open();
+  EXPECT_EQ(table->stats().items, 20u);
+  EXPECT_EQ(std::filesystem::file_size(moved), size);
+}
+
 TEST_F(TableDamage, TruncatedAtAnyByteItHoldsTheWholeChunksAndGoesOn) {
   {
     auto table = Open();

@@ -108,7 +108,9 @@ TEST_P(RoundTrip, ExportImportExportIsTheSameToTheByte) {
   Store(8, GetParam());
   const ToolOutput first = RunTool({"export", run_.string(), "--out", At("a")});
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  const ToolOutput imported = RunTool({"import", At("imported"), "--from", At("a")});
+  std::ofstream(At("run.yaml")) << "task: {reward: {goal: 100}}\n";  // rewards grow with the episode's number
+  const ToolOutput imported =
+      RunTool({"import", At("imported"), "--from", At("a"), "--config", At("run.yaml")});
   ASSERT_EQ(imported.exit_code, 0) << imported.err;
   EXPECT_EQ(RunTool({"verify", At("imported")}).exit_code, 0);
   ASSERT_EQ(RunTool({"export", At("imported"), "--out", At("b")}).exit_code, 0);
@@ -212,6 +214,64 @@ TEST_F(ToolsTest, ImportRefusesWhatIsNoExperienceAndLeavesNothingBehind) {
   refused("index.json", 1);
 }
 
+TEST_F(ToolsTest, ImportRefusesWhatTheTaskCannotProduce) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const fs::path arrays = At("arrays");
+  const auto refused = [&](const char* says) {
+    const ToolOutput output = RunTool({"import", At("new"), "--from", arrays.string()});
+    EXPECT_EQ(output.exit_code, 2) << output.err;
+    EXPECT_THAT(output.err, HasSubstr(says));
+    EXPECT_FALSE(fs::exists(At("new")));
+  };
+  // One value of one array, and back.
+  const auto with = [&]<typename T>(const char* name, size_t at, T value, const char* says) {
+    const fs::path file = arrays / (std::string(name) + ".npy");
+    const auto sound = ReadNpy<T>(file, 1 << 20).value();
+    auto array = sound;
+    array.values[at] = value;
+    ASSERT_TRUE(WriteNpy<T>(file, array.shape, array.values));
+    refused(says);
+    ASSERT_TRUE(WriteNpy<T>(file, sound.shape, sound.values));
+  };
+  with("rewards", 3, 1e30f, "row 3: a reward of 1e+30, a decision of this task earns at most 5.56");
+  with("rewards", 3, -3e38f, "row 3: a reward of -3e+38");
+  with("rewards", 0, NAN, "row 0: a reward of nan");
+  with("actions", 4, 1.5f, "row 2: the action (1.5");
+  with("actions", 5, NAN, "row 2: the action");
+  with("vehicles", 0, 6.0f, "row 0: vehicles.npy or ego.npy holds a number that is not within [-5, 5]");
+  with("has_action", 1, uint8_t{2}, "row 1: has_action.npy holds something else than 0 and 1");
+  with("incarnation", 2, UINT64_MAX, "row 2: incarnation 18446744073709551615 is a time to come");
+  EXPECT_EQ(RunTool({"import", At("new"), "--from", arrays.string()}).exit_code, 0);
+}
+
+TEST_F(ToolsTest, AConfigurationSaysWhatItsRewardsCanBe) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const fs::path file = fs::path(At("arrays")) / "rewards.npy";
+  auto rewards = ReadNpy<float>(file, 1 << 20).value();
+  rewards.values[7] = 80.0f;
+  ASSERT_TRUE(WriteNpy<float>(file, rewards.shape, rewards.values));
+  EXPECT_EQ(RunTool({"import", At("new"), "--from", At("arrays")}).exit_code, 2);
+  std::ofstream(At("run.yaml")) << "task: {reward: {goal: 80}}\n";
+  EXPECT_EQ(RunTool({"import", At("new"), "--from", At("arrays"), "--config", At("run.yaml")}).exit_code, 0);
+}
+
+TEST_F(ToolsTest, AFailedImportRemovesOnlyWhatItMade) {
+  Store(1);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
+  const fs::path file = fs::path(At("arrays")) / "rewards.npy";
+  auto rewards = ReadNpy<float>(file, 1 << 20).value();
+  rewards.values.back() = 1e30f;
+  ASSERT_TRUE(WriteNpy<float>(file, rewards.shape, rewards.values));
+  fs::create_directories(At("mine"));
+  EXPECT_EQ(RunTool({"import", At("mine"), "--from", At("arrays")}).exit_code, 2);
+  EXPECT_TRUE(fs::is_directory(At("mine")) && fs::is_empty(At("mine")));
+  std::ofstream(At("file")) << "";
+  EXPECT_EQ(RunTool({"import", At("file"), "--from", At("arrays")}).exit_code, 2);
+  EXPECT_TRUE(fs::is_regular_file(At("file")));
+}
+
 TEST_F(ToolsTest, NothingIsOverwritten) {
   Store(1);
   ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("arrays")}).exit_code, 0);
@@ -220,7 +280,7 @@ TEST_F(ToolsTest, NothingIsOverwritten) {
   EXPECT_THAT(again.err, HasSubstr("not empty"));
   const ToolOutput onto = RunTool({"import", (run_ / "replay").string(), "--from", At("arrays")});
   EXPECT_EQ(onto.exit_code, 2);
-  EXPECT_THAT(onto.err, HasSubstr("not empty"));
+  EXPECT_THAT(onto.err, HasSubstr("no empty folder"));
 }
 
 TEST_F(ToolsTest, WrongUsageIsOneLine) {

@@ -4,7 +4,11 @@
 
 #include <array>
 #include <atomic>
-#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "common/util/environment.h"
+#include "common/util/shown.h"
 
 namespace dadrl::nn {
 namespace {
@@ -14,12 +18,12 @@ constexpr std::array kNames = {std::string_view("scalar"), std::string_view("avx
 
 Isa InitialIsa() {
   const Isa best = DetectIsa();
-  const char* const wanted = std::getenv("DADRL_ISA");
-  if (wanted == nullptr) return best;
-  const auto isa = IsaFromName(wanted);
+  const std::optional<std::string> wanted = FromEnvironment(kIsaVariable);
+  if (!wanted) return best;
+  const auto isa = IsaFromName(*wanted);
   if (isa && *isa <= best) return *isa;
-  spdlog::warn("DADRL_ISA={} is not an instruction set of this processor (scalar to {}); using {}", wanted,
-               IsaName(best), IsaName(best));
+  spdlog::warn("DADRL_ISA={} is not an instruction set of this processor (scalar to {}); using {}",
+               Shown(*wanted), IsaName(best), IsaName(best));
   return best;
 }
 

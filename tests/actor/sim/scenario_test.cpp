@@ -75,11 +75,11 @@ TEST_F(ScenarioFile, IsReadWhole) {
 }
 
 TEST_F(ScenarioFile, FaultsAreNamedWithFileLineAndKey) {
-  EXPECT_THAT(
-      ErrorWith("warm_up_s: 2", "warm_up: 2"),
-      AllOf(HasSubstr("mine/scenario.yaml: line 1: unknown key 'warm_up'"), HasSubstr("'warm_up_s'")));
+  EXPECT_THAT(ErrorWith("warm_up_s: 2", "warm_up: 2"),
+              AllOf(HasSubstr("mine/scenario.yaml:1: unknown key 'warm_up'"), HasSubstr("'warm_up_s'")));
   EXPECT_THAT(ErrorWith("  start_offset_m: 4.5\n", ""), HasSubstr("'ego.start_offset_m' is missing"));
-  EXPECT_THAT(ErrorWith("4.5", "far"), HasSubstr("line 4: 'ego.start_offset_m' is not a number between 0"));
+  EXPECT_THAT(ErrorWith("4.5", "far"),
+              HasSubstr("scenario.yaml:4: 'ego.start_offset_m': 'far' is not a number between 0"));
   EXPECT_THAT(ErrorWith("4.5", "nan"), HasSubstr("'ego.start_offset_m'"));
   EXPECT_THAT(ErrorWith("driver_types: 3", "driver_types: 0"), HasSubstr("'traffic.driver_types'"));
   EXPECT_THAT(ErrorWith("driver_types: 3", "driver_types: 1.5"), HasSubstr("not a whole number"));
@@ -93,13 +93,14 @@ TEST_F(ScenarioFile, FaultsAreNamedWithFileLineAndKey) {
   EXPECT_THAT(ErrorWith("plain: {}", "plain: {sumo: {a: [1]}}"),
               HasSubstr("'profiles.plain.sumo' must hold"));
   EXPECT_THAT(ErrorWith("traffic:", "traffic: ]"), HasSubstr("mine/scenario.yaml"));
+  EXPECT_THAT(ErrorWith("plain: {}", "plain: &p {driver: *p}"), HasSubstr("mine/scenario.yaml:11: anchors"));
+  EXPECT_THAT(ErrorWith("plain: {}", "plain: {}\n  plain: {}"), HasSubstr("stands here a second time"));
 }
 
 TEST_F(ScenarioFile, BrakingThatAbortsSumoIsRefused) {
-  EXPECT_THAT(
-      ErrorWith("emergencyDecel: 5.0", "emergencyDecel: 4.5"),
-      AllOf(HasSubstr("mine/scenario.yaml: line 10: 'profiles.calibrated.driver.emergencyDecel' is 4.5"),
-            HasSubstr("'profiles.calibrated.driver.decel' is 4.5"), HasSubstr("more than 4.5")));
+  EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "emergencyDecel: 4.5"),
+              AllOf(HasSubstr("mine/scenario.yaml:10: 'profiles.calibrated.driver.emergencyDecel' is 4.5"),
+                    HasSubstr("'profiles.calibrated.driver.decel' is 4.5"), HasSubstr("more than 4.5")));
   EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "decel: 9"), HasSubstr("driver.emergencyDecel' is 9"));
   EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "decel: 6.0, emergencyDecel: 5.0"), HasSubstr("more than 6"));
   EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "emergencyDecel: hard"), HasSubstr("is not a number above 0"));
@@ -122,6 +123,11 @@ TEST_F(ScenarioFile, MayDriveOnAnothersNetwork) {
   const auto scenario = Load(std::string("network: other\n") + kGood);
   ASSERT_TRUE(scenario);
   EXPECT_EQ(scenario->network, directory_ / "other/network.net.xml");
+  for (const char* out : {"../../etc", ".", "..", "/etc", "[a]", "''"}) {
+    EXPECT_THAT(Load(fmt::format("network: {}\n{}", out, kGood)).error().message,
+                HasSubstr("is not the name of another scenario"))
+        << out;
+  }
 }
 
 TEST(Scenarios, TheFiveArePresentAndLoad) {

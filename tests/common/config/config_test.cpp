@@ -62,6 +62,38 @@ TEST(Config, RefusesWrongChoiceAndBrokenYaml) {
   EXPECT_TRUE(ParseYaml("", "empty", config));
 }
 
+TEST(Config, RefusesUnknownAndMisplacedSections) {
+  Config config;
+  EXPECT_EQ(ParseYaml("task: {nonsense: {}}\n", "x", config).error().message,
+            "x:1: unknown section 'task.nonsense'; the nearest is 'task.reward'");
+  EXPECT_EQ(ParseYaml("tasks:\n", "x", config).error().message,
+            "x:1: unknown section 'tasks'; the nearest is 'task'");
+  EXPECT_EQ(ParseYaml("seed: {}\n", "x", config).error().message, "x:1: 'seed' needs one value");
+  EXPECT_EQ(ParseYaml("task: 3\n", "x", config).error().message,
+            "x:1: 'task' needs 'key: value' lines below it");
+  EXPECT_EQ(ParseYaml("seed: 1\ntask:\n", "x", config).error().message,
+            "x:2: 'task' needs 'key: value' lines below it");
+}
+
+TEST(Config, SectionsThatNobodyAskedForMayBeAnything) {
+  Config config;
+  constexpr std::string_view kWanted[] = {"seed"};
+  ASSERT_TRUE(ParseYamlSections("seed: 7\nlater: {of: [another, version]}\n", "x", kWanted, config));
+  EXPECT_EQ(config.seed, 7u);
+  EXPECT_FALSE(ParseYamlSections("seed: 7\nlater: &a [*a]\n", "x", kWanted, config));
+}
+
+TEST(Config, NamesThatYamlWouldReadOtherwiseAreQuoted) {
+  for (const char* name : {"on ramp", "null", "a: b", "it's", "-", "#1", "~", "[x]", "\xc3\xa4"}) {
+    Config config;
+    config.scenario = name;
+    Config loaded;
+    const Status status = ParseYaml(ToYaml(config, false), "x", loaded);
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_EQ(loaded.scenario, name);
+  }
+}
+
 TEST(Config, RefusesContradictions) {
   Config config;
   config.algorithm.batch_size = 40;

@@ -59,9 +59,9 @@ TEST(AtomicFile, MissingFolderIsNotFoundAndNamed) {
 }
 
 TEST(AtomicFile, FullDeviceIsExhaustedWithTheRemedy) {
-  const auto file = FileDescriptor::Open("/dev/full", O_WRONLY);
-  ASSERT_TRUE(file);
-  const Status status = WriteAll(*file, std::as_bytes(std::span(std::string_view("x"))), "/run/weights");
+  const FileDescriptor file(open("/dev/full", O_WRONLY | O_CLOEXEC));
+  ASSERT_TRUE(file.valid());
+  const Status status = WriteAll(file, std::as_bytes(std::span(std::string_view("x"))), "/run/weights");
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kExhausted);
   EXPECT_THAT(status.error().message, HasSubstr("/run/weights"));
@@ -122,14 +122,42 @@ TEST(AtomicFile, KilledWriterLeavesAWholeFile) {
   EXPECT_EQ(FilesIn(folder.path()), 1);
 }
 
+TEST(AtomicFile, ReplacesRegularFilesOnly) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "theirs", "theirs"));
+  std::filesystem::create_symlink(folder.path() / "theirs", folder.path() / "link");
+  std::filesystem::create_directory(folder.path() / "folder");
+  for (const char* name : {"link", "folder"}) {
+    const Status written = WriteFileAtomically(folder.path() / name, "ours");
+    ASSERT_FALSE(written) << name;
+    EXPECT_THAT(written.error().message, HasSubstr("it is not replaced; name another file"));
+  }
+  EXPECT_THAT(WriteFileAtomically("/dev/null", "ours").error().message, HasSubstr("a device"));
+  EXPECT_EQ(ReadTextFile(folder.path() / "theirs", kNoLimit).value(), "theirs");
+  EXPECT_EQ(FilesIn(folder.path()), 3);
+}
+
+// Whoever guesses the next temporary names, and puts links to a file of somebody else there, gains nothing.
+TEST(AtomicFile, ATemporaryNameThatIsTakenIsNotWrittenTo) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "theirs", "theirs"));
+  for (int counter = 0; counter < 90; ++counter) {
+    std::filesystem::create_symlink("theirs",
+                                    folder.path() / fmt::format(".ours.{}-{}.dadrl-tmp", getpid(), counter));
+  }
+  ASSERT_TRUE(WriteFileAtomically(folder.path() / "ours", "ours"));
+  EXPECT_EQ(ReadTextFile(folder.path() / "theirs", kNoLimit).value(), "theirs");
+  EXPECT_EQ(ReadTextFile(folder.path() / "ours", kNoLimit).value(), "ours");
+}
+
 TEST(AtomicFile, LinkFollowsTheNewestTarget) {
   TemporaryFolder folder;
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "one", "1"));
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "two", "2"));
   ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "one"));
-  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit).value(), "1");
+  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit, Links::kFollow).value(), "1");
   ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "two"));
-  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit).value(), "2");
+  EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit, Links::kFollow).value(), "2");
   EXPECT_EQ(FilesIn(folder.path()), 3);
 }
 

@@ -110,6 +110,13 @@ TEST_F(EvaluationJobTest, DrivesEveryEpisodeInEachScenarioOfAll) {
   EXPECT_THAT(driven, HasSubstr("merge\n"));
 }
 
+TEST_F(EvaluationJobTest, AWorkerThatPrintsWithoutEndIsEnded) {
+  EvaluationJob job = MakeJob("yes", 1, 2, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  EXPECT_TRUE(job.RunningPids().empty());
+  EXPECT_THAT(job.TakeReport().error().message, HasSubstr("printed more than 67108864 bytes"));
+}
+
 TEST_F(EvaluationJobTest, NeverRunsMoreProcessesThanAsked) {
   EvaluationJob job = MakeJob("sleep 0.02; cat $folder/line-$seed", 1, 12, 3);
   size_t most = 0;

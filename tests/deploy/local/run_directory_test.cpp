@@ -71,6 +71,31 @@ TEST(RunDirectory, RefusesAFileAsDirectory) {
   EXPECT_FALSE(RunDirectory::CreateNew(folder.path() / "file"));
 }
 
+TEST(RunDirectory, ALockThatIsSomebodyElsesFileIsNotWrittenTo) {
+  const TemporaryFolder folder;
+  const fs::path theirs = folder.path() / "theirs";
+  const fs::path lock = folder.path() / "run/lock";
+  std::ofstream(theirs) << "theirs";
+  fs::create_directories(folder.path() / "run");
+  fs::create_symlink(theirs, lock);
+  EXPECT_THAT(RunDirectory::CreateNew(folder.path() / "run").error().message, HasSubstr("is a link"));
+  fs::remove(lock);
+  fs::create_hard_link(theirs, lock);
+  EXPECT_THAT(RunDirectory::CreateNew(folder.path() / "run").error().message,
+              HasSubstr("copy it with cp -a"));
+  EXPECT_EQ(FileText(theirs), "theirs");
+}
+
+TEST(RunDirectory, AConfigurationThatIsALinkIsNotRead) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "theirs") << "seed: 3\n";
+  fs::create_symlink(folder.path() / "theirs", folder.path() / "config.yaml");
+  Config config;
+  const Status loaded = LoadRunConfig(RunPaths{folder.path()}, config);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("is a link"));
+}
+
 TEST(RunDirectory, TakesOverFromAKilledLauncher) {
   const TemporaryFolder folder;
   const fs::path locked = folder.path() / "locked";
