@@ -14,13 +14,13 @@ find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 include(GoogleTest)
 
-# Debian's lcm.pc and libxxhash have no usable CMake package.
-find_path(LCM_INCLUDE_DIR lcm/lcm.h REQUIRED)
-find_library(LCM_LIBRARY lcm REQUIRED)
+# Of LCM the generated types alone: its receiver puts forged fragments together (common/telemetry/lcm_receiver.h).
+find_path(LCM_INCLUDE_DIR lcm/lcm_coretypes.h REQUIRED)
 find_program(LCM_GEN lcm-gen REQUIRED)
-add_library(lcm::lcm SHARED IMPORTED)
-set_target_properties(lcm::lcm PROPERTIES IMPORTED_LOCATION ${LCM_LIBRARY}
-                                          INTERFACE_INCLUDE_DIRECTORIES ${LCM_INCLUDE_DIR})
+add_library(lcm::types INTERFACE IMPORTED)
+set_target_properties(lcm::types PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${LCM_INCLUDE_DIR})
+
+# Debian's libxxhash has no usable CMake package.
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
 add_library(xxhash::xxhash SHARED IMPORTED)

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/io/incarnation.h"
+#include "common/io/run_key.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "learner/algorithms/algorithm.h"
@@ -22,8 +23,10 @@ namespace dadrl {
 
 Status RunLearner(const Config& config, const std::filesystem::path& run_directory, bool resume) {
   // The ports come first: a second learner of the run stops here, before it touches a file.
-  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Node> node,
-                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kLearner, 0));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(run_directory));
+  DADRL_ASSIGN_OR_RETURN(
+      const std::unique_ptr<dds::Node> node,
+      dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kLearner, 0, key));
   const uint64_t incarnation = NextIncarnation(run_directory, "learner", WallTimeNs());
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<Algorithm> algorithm, MakeAlgorithm(config));
   const std::filesystem::path folder = run_directory / "checkpoints";

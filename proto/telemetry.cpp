@@ -5,7 +5,8 @@
 
 #include "common/dds/address.h"
 #include "common/dds/endpoint.h"
-#include "common/telemetry/lcm_bus.h"
+#include "common/telemetry/lcm_receiver.h"
+#include "common/telemetry/lcm_sender.h"
 #include "common/util/log.h"
 #include "proto/telemetry_packet.h"
 #include "proto/topics.h"
@@ -15,8 +16,8 @@ namespace {
 
 constexpr const char* kStatusChannel = "DADRL_STATUS";
 constexpr const char* kEpisodeChannel = "DADRL_EPISODE";
-// Packets kept between two polls; LCM's own 30 lose a burst of a few dozen actors.
-constexpr int kQueue = 4096;
+// Handled in one poll: one that is flooded ends all the same.
+constexpr int kPacketsOfAPoll = 4096;
 // Between Cyclone's multicast ports (unused) and its unicast ports in the cluster's block.
 constexpr int kTelemetryPortOffset = 5;
 
@@ -72,21 +73,20 @@ static_assert(std::size(kMetricNames) == static_cast<size_t>(Metric::kCount));
 std::string_view MetricName(Metric metric) { return kMetricNames[static_cast<size_t>(metric)]; }
 
 std::string TelemetryUrl(const ClusterConfig& cluster) {
-  return fmt::format("udpm://239.255.76.67:{}?ttl=0&recv_buf_size=1048576",
-                     cluster.port + kTelemetryPortOffset);
+  return fmt::format("udpm://239.255.76.67:{}?ttl=0", cluster.port + kTelemetryPortOffset);
 }
 
 const char* TelemetryChannel(bool is_episode) { return is_episode ? kEpisodeChannel : kStatusChannel; }
 
 // One of the two ways is there.
 struct TelemetryPublisher::Impl {
-  std::unique_ptr<LcmBus> bus;
+  std::unique_ptr<LcmSender> lcm;
   std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> relay;
   std::atomic<bool> complained{false};
 
   void Publish(bool is_episode, std::vector<std::byte> packet) {
     const Status sent =
-        bus ? bus->Publish(TelemetryChannel(is_episode), packet) : WriteToRelay(is_episode, packet);
+        lcm ? lcm->Publish(TelemetryChannel(is_episode), packet) : WriteToRelay(is_episode, packet);
     if (!sent && !complained.exchange(true)) spdlog::warn("telemetry: {}", sent.error().message);
   }
   Status WriteToRelay(bool is_episode, std::vector<std::byte>& packet) {
@@ -100,13 +100,13 @@ struct TelemetryPublisher::Impl {
 
 TelemetryPublisher::TelemetryPublisher(const std::string& url) {
   if (url.empty()) return;
-  auto bus = LcmBus::Open(url);
-  if (!bus) {
-    spdlog::warn("running without telemetry: {}", bus.error().message);
+  auto lcm = LcmSender::Open(url);
+  if (!lcm) {
+    spdlog::warn("running without telemetry: {}", lcm.error().message);
     return;
   }
   impl_ = std::make_unique<Impl>();
-  impl_->bus = std::move(*bus);
+  impl_->lcm = std::move(*lcm);
 }
 
 TelemetryPublisher::TelemetryPublisher(const Config& config, const dds::Node& node) {
@@ -114,9 +114,9 @@ TelemetryPublisher::TelemetryPublisher(const Config& config, const dds::Node& no
   impl_ = std::make_unique<Impl>();
   const Result<std::string> address = dds::ResolveHost(config.cluster.host);
   if (address && dds::IsLocalAddress(*address)) {
-    if (auto bus = LcmBus::Open(TelemetryUrl(config.cluster))) impl_->bus = std::move(*bus);
+    if (auto lcm = LcmSender::Open(TelemetryUrl(config.cluster))) impl_->lcm = std::move(*lcm);
   }
-  if (impl_->bus) return;
+  if (impl_->lcm) return;
   auto relay = dds::Writer<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic);
   if (!relay) {
     spdlog::warn("running without telemetry: {}", relay.error().message);
@@ -138,7 +138,7 @@ void TelemetryPublisher::Publish(const EpisodeReport& report) {
 
 // One of the two ways is there.
 struct TelemetrySubscriber::Impl {
-  std::unique_ptr<LcmBus> bus;
+  std::unique_ptr<LcmReceiver> lcm;
   std::unique_ptr<dds::Node> node;
   std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> relayed;
   uint64_t rejected = 0;
@@ -162,9 +162,17 @@ struct TelemetrySubscriber::Impl {
       Accept(DecodeStatusPacket(packet), on_status);
     }
   }
+  bool OnMessage(const LcmMessage& message) {
+    for (const bool is_episode : {false, true}) {
+      if (message.channel != TelemetryChannel(is_episode)) continue;
+      OnPacket(is_episode, message.packet);
+      return true;
+    }
+    return false;
+  }
   // Waits at most `timeout`; false when nothing came.
   bool Handle(Duration timeout) {
-    if (bus) return bus->Handle(timeout);
+    if (lcm) return lcm->Receive(timeout, [this](const LcmMessage& message) { return OnMessage(message); });
     relayed->Wait(timeout);
     return relayed->Take(1, [this](const dadrl_idl_Telemetry& message) {
       OnPacket(message.is_episode,
@@ -176,30 +184,26 @@ struct TelemetrySubscriber::Impl {
 Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const std::string& url) {
   std::unique_ptr<TelemetrySubscriber> subscriber(new TelemetrySubscriber);
   subscriber->impl_ = std::make_unique<Impl>();
-  Impl* const impl = subscriber->impl_.get();
-  DADRL_ASSIGN_OR_RETURN(impl->bus, LcmBus::Open(url));
-  for (const bool is_episode : {false, true}) {
-    DADRL_RETURN_IF_ERROR(impl->bus->Subscribe(
-        TelemetryChannel(is_episode), kQueue,
-        [impl, is_episode](std::span<const std::byte> packet) { impl->OnPacket(is_episode, packet); }));
-  }
+  DADRL_ASSIGN_OR_RETURN(subscriber->impl_->lcm, LcmReceiver::Open(url));
   return subscriber;
 }
 
-Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::CreateRelayed(const Config& config) {
+Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::CreateRelayed(const Config& config,
+                                                                                const std::string& key) {
   std::unique_ptr<TelemetrySubscriber> subscriber(new TelemetrySubscriber);
   subscriber->impl_ = std::make_unique<Impl>();
   Impl* const impl = subscriber->impl_.get();
-  DADRL_ASSIGN_OR_RETURN(impl->node,
-                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0));
+  DADRL_ASSIGN_OR_RETURN(
+      impl->node, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0, key));
   DADRL_ASSIGN_OR_RETURN(impl->relayed,
                          dds::Reader<dadrl_idl_Telemetry>::Create(*impl->node, kRelayedTelemetryTopic));
   return subscriber;
 }
 
-Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const Config& config) {
+Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::Create(const Config& config,
+                                                                         const std::string& key) {
   auto subscriber = Create(TelemetryUrl(config.cluster));
-  return subscriber ? std::move(subscriber) : CreateRelayed(config);
+  return subscriber ? std::move(subscriber) : CreateRelayed(config, key);
 }
 
 TelemetrySubscriber::~TelemetrySubscriber() = default;
@@ -209,13 +213,20 @@ void TelemetrySubscriber::Poll(Duration timeout, const std::function<void(const 
   impl_->on_status = &on_status;
   impl_->on_episode = &on_episode;
   const TimePoint deadline = std::chrono::steady_clock::now() + timeout;
-  // Bounded also when packets come faster than they are handled.
-  for (int left = kQueue; left > 0; --left) {
+  for (int left = kPacketsOfAPoll; left > 0; --left) {
     const Duration wait = deadline - std::chrono::steady_clock::now();
     if (!impl_->Handle(wait) && wait <= Duration::zero()) break;
   }
 }
 
-uint64_t TelemetrySubscriber::rejected_packets() const { return impl_->rejected; }
+TelemetryRefusals TelemetrySubscriber::refusals() const {
+  TelemetryRefusals refusals;
+  if (impl_->rejected > 0) refusals["impossible contents"] = impl_->rejected;
+  for (size_t i = 0; impl_->lcm && i < impl_->lcm->refusals().size(); ++i) {
+    const uint64_t count = impl_->lcm->refusals()[i];
+    if (count > 0) refusals[std::string(LcmRefusalName(static_cast<LcmRefusal>(i)))] = count;
+  }
+  return refusals;
+}
 
 }  // namespace dadrl

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -71,6 +72,9 @@ enum class Metric : int {
 // Stable snake_case name ("env_steps").
 std::string_view MetricName(Metric metric);
 
+// The largest number of an actor.
+constexpr int kMaxActorNumber = 1'000'000;
+
 struct ProcessStatus {
   dds::Role role = dds::Role::kActor;
   int index = 0;
@@ -130,21 +134,27 @@ class TelemetryPublisher {
   std::unique_ptr<Impl> impl_;
 };
 
-// Not thread safe. Packets of the wrong length or type are counted and dropped before they are decoded.
+// Packets that were not taken, by kind ("fragment"); only what happened.
+using TelemetryRefusals = std::map<std::string, uint64_t>;
+
+// Not thread safe. Of LCM only what was sent on this host is heard. Packets of the wrong length or type are
+// counted and dropped before they are decoded.
 class TelemetrySubscriber {
  public:
   // LCM alone. kUnavailable when the host does not hear its own multicast.
   static Result<std::unique_ptr<TelemetrySubscriber>> Create(const std::string& url);
   // What the relay of replay shard 0 passes on: nothing of processes that LCM reaches. Joins DDS.
-  static Result<std::unique_ptr<TelemetrySubscriber>> CreateRelayed(const Config& config);
+  // `key`: the run's, or "".
+  static Result<std::unique_ptr<TelemetrySubscriber>> CreateRelayed(const Config& config,
+                                                                    const std::string& key = {});
   // LCM, or the relay where the host does not hear its own multicast.
-  static Result<std::unique_ptr<TelemetrySubscriber>> Create(const Config& config);
+  static Result<std::unique_ptr<TelemetrySubscriber>> Create(const Config& config, const std::string& key);
   ~TelemetrySubscriber();
   // Handles what arrives within `timeout`, at least one look; calls the handlers on this thread; an empty one
   // is skipped.
   void Poll(Duration timeout, const std::function<void(const ProcessStatus&)>& on_status,
             const std::function<void(const EpisodeReport&)>& on_episode);
-  uint64_t rejected_packets() const;
+  TelemetryRefusals refusals() const;
 
  private:
   TelemetrySubscriber() = default;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -19,7 +18,6 @@ constexpr int kMetrics = static_cast<int>(Metric::kCount);
 constexpr int kActivities = static_cast<int>(Activity::kCount);
 static_assert(kMetrics <= 64 && kActivities <= 16, "widen the arrays in telemetry.lcm");
 
-constexpr int kRoles = 4;
 constexpr int kOutcomes = 4;
 
 template <typename Message>
@@ -49,8 +47,57 @@ Result<Message> Decode(std::span<const std::byte> packet) {
   return message;
 }
 
-bool AllFinite(std::span<const double> values) {
-  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+// What no count of bytes, steps or seconds of one run reaches, and what a double still counts one by one.
+constexpr double kMost = 1e15;
+constexpr int64_t kMostBegun = int64_t{1} << 50;
+constexpr int kMostPids = 1 << 22;      // Linux's
+constexpr int kMostSteps = 100'000;     // the largest task.max_steps
+constexpr double kFastest_mps = 100.0;  // the largest task.max_speed_mps is less than half of it
+constexpr double kLargestReturn = 1e9;
+
+// False for NaN.
+bool IsBetween(double least, double value, double most) { return least <= value && value <= most; }
+
+// Losses and values have either sign, and an age is a difference of two machines' clocks.
+bool MayBeNegative(Metric metric) {
+  return metric == Metric::kPolicyAgeS ||
+         (metric >= Metric::kStalenessVersionsMean && metric <= Metric::kCheckpointAgeS);
+}
+
+bool IsPossible(const dadrl_lcm::process_status& message) {
+  for (int i = 0; i < kMetrics; ++i) {
+    const double least = MayBeNegative(static_cast<Metric>(i)) ? -kMost : 0.0;
+    if (!IsBetween(least, message.metrics[i], kMost)) return false;
+  }
+  for (int i = 0; i < kActivities; ++i) {
+    if (!IsBetween(0.0, message.activity_s[i], kMost)) return false;
+    if (message.activity_begun[i] < 0 || message.activity_begun[i] > kMostBegun) return false;
+  }
+  return IsBetween(0.0, message.uptime_s, kMost) && message.pid >= 0 && message.pid <= kMostPids;
+}
+
+// Whether a process of `role` can have the number `index`.
+bool IsProcess(int role, int index) {
+  switch (role) {
+    case static_cast<int>(dds::Role::kReplay):
+      return index >= 0 && index < dds::kMaxShards;
+    case static_cast<int>(dds::Role::kActor):
+      return index >= 0 && index <= kMaxActorNumber;
+    case static_cast<int>(dds::Role::kLearner):
+    case static_cast<int>(dds::Role::kMonitor):
+      return index == 0;
+    default:
+      return false;
+  }
+}
+
+// Fractions of the route and scores are 0 to 1; an ego that rolls backwards may have driven less than none.
+bool IsPossible(const dadrl_lcm::episode_report& message) {
+  return message.actor >= 0 && message.actor <= kMaxActorNumber && message.outcome >= 0 &&
+         message.outcome < kOutcomes && message.steps >= 0 && message.steps <= kMostSteps &&
+         IsBetween(-kLargestReturn, message.episode_return, kLargestReturn) &&
+         IsBetween(-1.0, message.progress, 1.0) && IsBetween(0.0, message.mean_speed_mps, kFastest_mps) &&
+         IsBetween(0.0, message.humanness_error, 1.0) && IsBetween(0.0, message.overall_score, 1.0);
 }
 
 // Printable text up to the first zero, and nothing but zeros behind it.
@@ -109,10 +156,11 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
     return Fail(ErrorCode::kCorrupt, "status of another version: {} metrics and {} activities, not {} and {}",
                 message.metric_count, message.activity_count, kMetrics, kActivities);
   }
-  if (message.role < 0 || message.role >= kRoles || message.index < 0 || !std::isfinite(message.uptime_s) ||
-      !AllFinite(message.metrics) || !AllFinite(message.activity_s)) {
-    return Fail(ErrorCode::kCorrupt, "status with a value out of range");
+  if (!IsProcess(message.role, message.index)) {
+    return Fail(ErrorCode::kCorrupt, "status of a process that cannot be: role {}, number {}", message.role,
+                message.index);
   }
+  if (!IsPossible(message)) return Fail(ErrorCode::kCorrupt, "status with a value out of range");
   ProcessStatus status;
   status.role = static_cast<dds::Role>(message.role);
   status.index = message.index;
@@ -130,12 +178,7 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
 
 Result<EpisodeReport> DecodeEpisodePacket(std::span<const std::byte> packet) {
   DADRL_ASSIGN_OR_RETURN(const auto message, Decode<dadrl_lcm::episode_report>(packet));
-  const double numbers[] = {message.episode_return, message.progress, message.mean_speed_mps,
-                            message.humanness_error, message.overall_score};
-  if (message.actor < 0 || message.outcome < 0 || message.outcome >= kOutcomes || message.steps < 0 ||
-      !AllFinite(numbers)) {
-    return Fail(ErrorCode::kCorrupt, "episode report with a value out of range");
-  }
+  if (!IsPossible(message)) return Fail(ErrorCode::kCorrupt, "episode report with a value out of range");
   const auto scenario = TextOf(message.scenario);
   if (!scenario) return Fail(ErrorCode::kCorrupt, "episode report whose scenario is not a name");
   EpisodeReport report;

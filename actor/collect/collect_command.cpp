@@ -11,6 +11,7 @@
 #include "actor/experience/weights_subscriber.h"
 #include "common/dds/node.h"
 #include "common/io/incarnation.h"
+#include "common/io/run_key.h"
 #include "common/model/acting_policy.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
@@ -60,6 +61,7 @@ class Actor {
   Status CheckLayout() const;
   void FillStatus(ProcessStatus& status) const;
   std::string WaitingFor() const;
+  void WatchAddress();
 
   const CollectOptions options_;
   const ObservationSpec spec_;
@@ -78,6 +80,7 @@ class Actor {
   std::unique_ptr<Collector> collector_;
   std::unique_ptr<StatusReporter> reporter_;
   std::atomic<uint64_t> waits_{0};
+  Status address_;  // the reporter's thread writes it before it asks for the shutdown
 };
 
 Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
@@ -94,8 +97,9 @@ Status Actor::Connect() {
                          ActorEpisodeLog::Open(options_.run_directory / "logs" /
                                                fmt::format("episodes-actor-{}.csv", options_.index)));
   log_ = std::make_unique<ActorEpisodeLog>(std::move(log));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
   DADRL_ASSIGN_OR_RETURN(
-      node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index));
+      node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index, key));
   publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, index, incarnation_));
   DADRL_ASSIGN_OR_RETURN(weights_,
@@ -113,7 +117,8 @@ Status Actor::Connect() {
       reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, options_.index, incarnation_,
                                        {.fill = [this](ProcessStatus& status) { FillStatus(status); },
                                         .ticks = [this] { return collector_->progress().ticks + waits_; },
-                                        .waiting_for = [this] { return WaitingFor(); }}));
+                                        .waiting_for = [this] { return WaitingFor(); },
+                                        .on_beat = [this] { WatchAddress(); }}));
   return {};
 }
 
@@ -127,6 +132,7 @@ Status Actor::Run() {
     if (episode) Record(*episode);
     DADRL_RETURN_IF_ERROR(CheckLayout());
   }
+  DADRL_RETURN_IF_ERROR(address_);
   if (!writer_->Flush(kDrain)) {
     spdlog::warn("leaving with {} bytes of experience that the replay has not acknowledged",
                  writer_->statistics().backlog_bytes);
@@ -188,6 +194,15 @@ std::string Actor::WaitingFor() const {
   const int shard = options_.index % options_.config.replay.shards;
   return fmt::format("the replay at {}:{}", cluster.host,
                      dds::WellKnownPort(cluster, dds::Plane::kData, shard));
+}
+
+// A node cannot change its address: the process ends, and is started again with the new one.
+void Actor::WatchAddress() {
+  if (shutdown_requested) return;
+  Status address = node_->CheckAddress();
+  if (address) return;
+  address_ = std::move(address);
+  shutdown_requested = true;
 }
 
 }  // namespace

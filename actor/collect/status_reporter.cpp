@@ -54,6 +54,7 @@ void StatusReporter::Run() {
   do {
     const TimePoint now = Now();
     Beat(now);
+    if (source_.on_beat) source_.on_beat();
     NoticeWait(now);
     if (now >= next_status_) PublishStatus(now);
   } while (!WaitForStop(std::min(beat_interval_, status_interval_)));

@@ -26,6 +26,8 @@ class StatusReporter {
     // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged at once,
     // then every kWaitNotice, and when it is over.
     std::function<std::string()> waiting_for;
+    // Called on the reporter's thread with every beat; may be empty.
+    std::function<void()> on_beat = {};
   };
 
   // Loading and warming up a simulation counts as one move.

@@ -145,6 +145,8 @@ struct ClusterConfig {
   double lease_s = 3.0;            // how long a network cut, or a killed peer, holds up a reliable DDS writer
   double liveliness_s = 1.0;
   int64_t receive_buffer_bytes = int64_t{4} << 20;
+  int mtu = 0;               // longest IP packet off loopback, bytes; 0: that of the interface
+  bool require_key = false;  // off loopback too, only who has the run's key (RUN/key) takes part
 };
 
 struct TelemetryConfig {

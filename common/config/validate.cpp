@@ -166,6 +166,11 @@ Status CheckCluster(const ClusterConfig& cluster) {
                 "cluster.port: {} is one of the system's; take {} to 60000, or 0 for a free one",
                 cluster.port, kFirstUserPort);
   }
+  constexpr int kSmallestMtu = 576;  // that every IPv4 host takes
+  if (cluster.mtu != 0 && cluster.mtu < kSmallestMtu) {
+    return Fail(ErrorCode::kInvalidArgument, "cluster.mtu: {} is neither 0 nor at least {}", cluster.mtu,
+                kSmallestMtu);
+  }
   if (cluster.lease_s < cluster.liveliness_s) {
     return Fail(
         ErrorCode::kInvalidArgument,

@@ -1,7 +1,11 @@
 #include "common/dds/address.h"
 
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
+#include <sys/ioctl.h>
 
+#include <cstring>
 #include <memory>
 
 #include "common/dds/udp_socket.h"
@@ -13,6 +17,13 @@ std::string Dotted(in_addr address) {
   char text[INET_ADDRSTRLEN] = {};
   ::inet_ntop(AF_INET, &address, text, sizeof(text));
   return text;
+}
+
+int MtuOf(const char* interface) {
+  ifreq request{};
+  std::strncpy(request.ifr_name, interface, IFNAMSIZ - 1);
+  const UdpSocket socket;
+  return ::ioctl(socket.descriptor(), SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
 }
 
 }  // namespace
@@ -36,6 +47,20 @@ bool IsLoopback(const std::string& address) { return address.starts_with("127.")
 bool IsLocalAddress(const std::string& address) {
   const in_addr_t binary = ::inet_addr(address.c_str());
   return binary != INADDR_ANY && UdpSocket().Bind(0, binary);
+}
+
+std::vector<LocalAddress> LocalAddresses() {
+  std::vector<LocalAddress> addresses;
+  ifaddrs* found = nullptr;
+  if (::getifaddrs(&found) != 0) return addresses;
+  const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> owner(found, &::freeifaddrs);
+  for (const ifaddrs* entry = found; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    if ((entry->ifa_flags & IFF_UP) == 0) continue;
+    const auto& name = *reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
+    addresses.push_back({entry->ifa_name, Dotted(name.sin_addr), MtuOf(entry->ifa_name)});
+  }
+  return addresses;
 }
 
 std::string SourceAddressTowards(const std::string& address) {

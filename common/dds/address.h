@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/util/result.h"
 
@@ -17,6 +18,15 @@ bool IsLoopback(const std::string& address);
 
 // True when sockets of this machine can be bound to `address`.
 bool IsLocalAddress(const std::string& address);
+
+// One IPv4 address of this machine.
+struct LocalAddress {
+  std::string interface;  // "eth0"
+  std::string address;
+  int mtu = 0;  // bytes of the longest IP packet
+};
+// Those of the interfaces that are up.
+std::vector<LocalAddress> LocalAddresses();
 
 // The local address from which packets to `address` leave; "" when there is no route.
 std::string SourceAddressTowards(const std::string& address);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/dds/address.h"
 #include "common/dds/node.h"
 
@@ -29,17 +31,33 @@ std::string PeersXml(const ClusterConfig& cluster, int replay_shards, Role role,
   return peers;
 }
 
-// On loopback large fragments are several times faster. On a network one lost frame would cost a whole 65 kB
-// fragment, so there Cyclone's own sizes stay.
-std::string GeneralXml(const ClusterConfig& cluster, const std::string& interface_address) {
-  std::string general = "<AllowMulticast>false</AllowMulticast>";
-  if (!interface_address.empty()) {
-    general += fmt::format("<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>", interface_address);
-  }
+// IP and UDP.
+constexpr int kPacketHeaders = 28;
+// What RTPS puts before a fragment: its header, destination, time stamp, the fragment's own, inline QoS.
+constexpr int kMessageHeaders = 160;
+// Of Ethernet, where the interface does not tell.
+constexpr int kUsualMtu = 1500;
+constexpr int kLongestMessage = 65'500;  // of UDP, nearly
+
+std::string SizesXml(const ClusterConfig& cluster, int mtu) {
   if (IsLoopback(cluster.host)) {
-    general += "<MaxMessageSize>65500 B</MaxMessageSize><FragmentSize>65000 B</FragmentSize>";
+    return fmt::format("<MaxMessageSize>{} B</MaxMessageSize><FragmentSize>65000 B</FragmentSize>",
+                       kLongestMessage);
   }
-  return general;
+  const int message = std::min((mtu > 0 ? mtu : kUsualMtu) - kPacketHeaders, kLongestMessage);
+  return fmt::format(
+      "<MaxMessageSize>{} B</MaxMessageSize><MaxRexmitMessageSize>{} B</MaxRexmitMessageSize>"
+      "<FragmentSize>{} B</FragmentSize>",
+      message, message, message - kMessageHeaders);
+}
+
+// On loopback large fragments are several times faster. On a network one lost frame would cost all that was
+// sent with it, and some paths drop IP fragments altogether: a message fits a packet there.
+std::string GeneralXml(const ClusterConfig& cluster, const Place& place) {
+  return fmt::format(
+      "<AllowMulticast>false</AllowMulticast>"
+      "<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>{}",
+      place.address, SizesXml(cluster, place.mtu));
 }
 
 // `max` is what Cyclone asks for and takes less of; with `min` it would refuse to start where the host
@@ -60,7 +78,7 @@ int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place) {
 }
 
 std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
-                      const std::string& interface_address) {
+                      const Place& place) {
   const std::string participant =
       IsService(role) ? fmt::format("{}", PlaceOf(role, index, replay_shards)) : "none";
   // ExternalDomainId: the id on the wire; the id inside the process is free to differ, so that tests can hold
@@ -70,7 +88,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\">"
       "<General>{}</General>"
-      "<Discovery><ExternalDomainId>{}</ExternalDomainId><ParticipantIndex>{}</ParticipantIndex>"
+      "<Discovery><Tag>{}</Tag><ExternalDomainId>{}</ExternalDomainId><ParticipantIndex>{}</ParticipantIndex>"
       "<Peers>{}</Peers><LeaseDuration>{} s</LeaseDuration><SPDPInterval>1 s</SPDPInterval>"
       "<Ports><Base>{}</Base><DomainGain>100</DomainGain><ParticipantGain>2</ParticipantGain>"
       "<MulticastMetaOffset>0</MulticastMetaOffset><MulticastDataOffset>1</MulticastDataOffset>"
@@ -78,7 +96,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<Internal>{}</Internal>"
       "<Tracing><Verbosity>warning</Verbosity><OutputFile>/dev/null</OutputFile></Tracing>"
       "</Domain></CycloneDDS>",
-      GeneralXml(cluster, interface_address), static_cast<int>(plane), participant,
+      GeneralXml(cluster, place), place.tag, static_cast<int>(plane), participant,
       PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s,
       cluster.port > 0 ? cluster.port : kFirstPort, InternalXml(cluster.receive_buffer_bytes));
 }

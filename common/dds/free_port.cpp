@@ -8,10 +8,10 @@ namespace dadrl::dds {
 namespace {
 
 // Nothing else binds the first port of a block (it would be Cyclone's multicast port), so a socket bound
-// there reserves the whole block.
+// there reserves the whole block; on loopback, where nobody else can send to it.
 bool TryReserveBlock(int base) {
   UdpSocket reservation;
-  if (!reservation.Bind(base)) return false;
+  if (!IsUdpPortFree(base) || !reservation.Bind(base, htonl(INADDR_LOOPBACK))) return false;
   for (int port = base + 1; port < base + kPortBlock; ++port) {
     if (!IsUdpPortFree(port)) return false;
   }

@@ -1,9 +1,12 @@
 #include "common/dds/node.h"
 
+#include <arpa/inet.h>
+
 #include <cstdlib>
 #include <utility>
 
 #include "common/dds/address.h"
+#include "common/dds/bound_sockets.h"
 #include "common/dds/log_sink.h"
 #include "common/util/log.h"
 
@@ -11,6 +14,8 @@ namespace dadrl::dds {
 namespace {
 
 constexpr dds_domainid_t kMaxDomainId = 230;
+// Where an actor stands while no way leads to the cluster.
+constexpr const char* kNowhere = "127.0.0.1";
 
 // Creates a domain under any id that is free inside this process. Returns Cyclone's error when it fails.
 dds_entity_t CreateDomain(const std::string& xml) {
@@ -52,11 +57,37 @@ Status CheckArguments(const ClusterConfig& cluster, int replay_shards, Role role
 
 // The address to send from and be reached at.
 Result<std::string> InterfaceAddress(const ClusterConfig& cluster, Role role) {
-  if (!IsService(role)) return SourceAddressTowards(cluster.host);
-  if (IsLocalAddress(cluster.host)) return cluster.host;
-  return Fail(ErrorCode::kInvalidArgument,
-              "cluster.host: {} is no address of this machine; the replay and the learner run where it is",
+  if (IsService(role)) {
+    if (IsLocalAddress(cluster.host)) return cluster.host;
+    return Fail(ErrorCode::kInvalidArgument,
+                "cluster.host: {} is no address of this machine; the replay and the learner run where it is",
+                cluster.host);
+  }
+  std::string address = SourceAddressTowards(cluster.host);
+  if (!address.empty()) return address;
+  if (role == Role::kActor) return std::string(kNowhere);  // CheckAddress tells when there is a way
+  return Fail(ErrorCode::kUnavailable, "no way leads from this machine to {}: is its network up?",
               cluster.host);
+}
+
+int MtuFrom(const std::string& address) {
+  for (const LocalAddress& local : LocalAddresses()) {
+    if (local.address == address) return local.mtu;
+  }
+  return 0;
+}
+
+// `cluster.host` in dotted form.
+Result<Place> FindPlace(const ClusterConfig& cluster, Role role, const std::string& key) {
+  Place place;
+  DADRL_ASSIGN_OR_RETURN(place.address, InterfaceAddress(cluster, role));
+  place.mtu = cluster.mtu > 0 ? cluster.mtu : MtuFrom(place.address);
+  if (cluster.require_key && key.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "cluster.require_key is set, and there is no key: the run's is in RUN/key");
+  }
+  if (cluster.require_key || IsLoopback(cluster.host)) place.tag = key;
+  return place;
 }
 
 void WarnOfSmallReceiveBuffer(int64_t wanted) {
@@ -82,39 +113,54 @@ void NoticeIgnoredEnvironment() {
 }  // namespace
 
 Result<std::unique_ptr<Node>> Node::Create(const ClusterConfig& config, int replay_shards, Role role,
-                                           int index) {
+                                           int index, const std::string& key) {
   InstallLogSink();
   NoticeIgnoredEnvironment();
   DADRL_RETURN_IF_ERROR(CheckArguments(config, replay_shards, role, index));
   ClusterConfig cluster = config;
   DADRL_ASSIGN_OR_RETURN(cluster.host, ResolveHost(config.host));
-  DADRL_ASSIGN_OR_RETURN(const std::string interface_address, InterfaceAddress(cluster, role));
+  DADRL_ASSIGN_OR_RETURN(const Place place, FindPlace(cluster, role, key));
 
-  std::unique_ptr<Node> node(new Node(cluster.liveliness_s));
+  std::unique_ptr<Node> node(new Node(cluster, place.address));
   WarnOfSmallReceiveBuffer(cluster.receive_buffer_bytes);
   for (const Plane plane : {Plane::kData, Plane::kControl}) {
     if (IsService(role)) {
       DADRL_RETURN_IF_ERROR(CheckPortsFree(cluster, PlaceOf(role, index, replay_shards), plane));
     }
     DADRL_RETURN_IF_ERROR(node->planes_[static_cast<size_t>(plane)].Open(
-        DomainXml(cluster, replay_shards, role, index, plane, interface_address)));
+        DomainXml(cluster, replay_shards, role, index, plane, place), place.address));
   }
   return node;
 }
 
-Status Node::Domain::Open(const std::string& xml) {
+Status Node::Domain::Open(const std::string& xml, const std::string& address) {
+  const BoundSockets bound(::inet_addr(address.c_str()));
   domain = CreateDomain(xml);
   dds_domainid_t id = 0;
   participant =
       dds_get_domainid(domain, &id) == DDS_RETCODE_OK ? dds_create_participant(id, nullptr, nullptr) : domain;
   if (participant < 0) {
-    return Fail(ErrorCode::kInternal, "cannot start DDS: {} (the lines above say why; settings: {})",
-                dds_strretcode(participant), xml);
+    spdlog::debug("settings of DDS: {}", xml);
+    return Fail(ErrorCode::kInternal, "cannot start DDS at {}: {} (the lines above say why)", address,
+                dds_strretcode(participant));
   }
   return {};
 }
 
+Status Node::CheckAddress() const {
+  const bool nowhere = address_ == kNowhere && !IsLoopback(host_);
+  if (!nowhere && IsLocalAddress(address_)) return {};
+  const std::string now = SourceAddressTowards(host_);
+  if (now.empty() || now == address_) return {};
+  return Fail(ErrorCode::kUnavailable,
+              "this machine's address towards the cluster at {} was {} and is {} now: starting anew", host_,
+              nowhere ? "none" : address_, now);
+}
+
 Node::~Node() {
+  // Cyclone wakes its threads with a packet to the node's address, and would wait for them in vain. Who loses
+  // an address ends.
+  if (!IsLocalAddress(address_)) return;
   for (const Domain& plane : planes_) {
     if (plane.domain > 0) dds_delete(plane.domain);
   }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/config/config.h"
 #include "common/util/result.h"
@@ -39,10 +40,16 @@ constexpr int kBlocks = 113;
 // Well-known ports stand at base + 100 * plane + 10 + 2 * place (discovery) and one above (data).
 int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place);
 
-// The Cyclone DDS configuration of one domain of one process, as XML. `interface_address` is the IPv4 address
-// to send from and be reached at; "" lets Cyclone choose.
+// How one process stands in the network.
+struct Place {
+  std::string address;   // IPv4, to send from and be reached at
+  int mtu = 0;           // longest IP packet that leaves whole; 0: unknown
+  std::string tag = {};  // only who shows the same one is heard; "": none
+};
+
+// The Cyclone DDS configuration of one domain of one process, as XML.
 std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
-                      const std::string& interface_address);
+                      const Place& place);
 
 // Thread safe after creation; outlives its endpoints. Several nodes may live in one process (tests do). The
 // environment's CYCLONEDDS_URI is ignored, with a notice: every setting follows from ClusterConfig.
@@ -50,28 +57,39 @@ class Node {
  public:
   // `index`: shard number of a replay, id of an actor, 0 otherwise. Does not wait for peers.
   // A monitor with cluster.port 0 knows shard 0 of every block that FindFreePort may have given out.
+  // `key` is the run's (common/io/run_key.h): on loopback, and elsewhere when cluster.require_key is set,
+  // nodes find only those that have the same one; "": those that have none. Every socket is bound to one
+  // address, the one that cluster.host is reached from.
   // kInvalidArgument: cluster.host cannot be resolved, or is no address of this machine (replay and learner),
-  // or cluster.port is 0 (others). kUnavailable: a port is taken; the message names it. Of a receive buffer
-  // that the host forbids it takes what it gets, with a warning.
+  // or cluster.port is 0 (others), or a key is required and there is none. kUnavailable: a port is taken, or
+  // no way leads to cluster.host (an actor waits for one: CheckAddress). Of a receive buffer that the host
+  // forbids it takes what it gets, with a warning.
   static Result<std::unique_ptr<Node>> Create(const ClusterConfig& cluster, int replay_shards, Role role,
-                                              int index);
+                                              int index, const std::string& key = {});
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
   dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }
   double liveliness_s() const { return liveliness_s_; }
+  // kUnavailable when this machine no longer has the node's address and reaches the cluster from another:
+  // only a new node is heard then.
+  Status CheckAddress() const;
 
  private:
   struct Domain {
     dds_entity_t domain = 0;
     dds_entity_t participant = 0;
-    Status Open(const std::string& xml);
+    // All its sockets are bound to `address`.
+    Status Open(const std::string& xml, const std::string& address);
   };
 
-  explicit Node(double liveliness_s) : liveliness_s_(liveliness_s) {}
+  Node(const ClusterConfig& cluster, std::string address)
+      : host_(cluster.host), address_(std::move(address)), liveliness_s_(cluster.liveliness_s) {}
 
   std::array<Domain, 2> planes_{};
+  std::string host_;     // the cluster's, in dotted form
+  std::string address_;  // this node's
   double liveliness_s_;
 };
 

@@ -1,7 +1,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,6 +8,8 @@
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "common/dds/address.h"
+#include "common/io/run_key.h"
 #include "common/util/random.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_processes.h"
@@ -26,31 +27,20 @@ struct ActorOptions {
   int actors = 1;
   int first_index = -1;  // -1: drawn
   std::string run_dir;
+  std::string key_file;
   ConfigOptions config;
 };
 
 constexpr Duration kTick = std::chrono::milliseconds(200);
 
-struct Endpoint {
-  std::string host;
-  int port = 0;  // 0: to be found
-};
 // A replay that was just killed is back within it.
 constexpr Duration kPatience = std::chrono::seconds(15);
 
-Result<Endpoint> ParseEndpoint(const std::string& text) {
-  const size_t colon = text.rfind(':');
-  Endpoint endpoint{.host = text.substr(0, colon)};
-  if (colon != std::string::npos) {
-    const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, endpoint.port);
-    if (error != std::errc() || stop != end || endpoint.port < 1 || endpoint.port > 60000) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  "--join: '{}' is not HOST or HOST:PORT with a port of 1 to 60000", text);
-    }
-  }
-  if (endpoint.host.empty()) return Fail(ErrorCode::kInvalidArgument, "--join: '{}' names no host", text);
-  return endpoint;
+// The key that was named; on this machine otherwise that of the newest run here; "" when there is none.
+Result<std::string> Key(const ActorOptions& options, const std::string& host) {
+  if (!options.key_file.empty()) return ReadRunKey(options.key_file);
+  DADRL_ASSIGN_OR_RETURN(const std::string address, dds::ResolveHost(host));
+  return dds::IsLoopback(address) ? LoadRunKey("runs/latest") : std::string();
 }
 
 // Numbers that no other joining machine will have, and far from those of the cluster's own actors.
@@ -97,16 +87,19 @@ Result<int> RunActors(std::vector<ProcessSpec> specs, EpisodeLog episodes, Signa
 
 Result<int> RunJoin(const ActorOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
-  DADRL_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.join));
-  DADRL_RETURN_IF_ERROR(options.config.Apply(Config{}));  // before anything waits
-  DADRL_ASSIGN_OR_RETURN(const Config run, FindRun(endpoint.host, endpoint.port, kPatience,
-                                                   [&] { return signals->StopRequested(); }));
+  DADRL_ASSIGN_OR_RETURN(RunPlace place, ParseRunPlace(options.join));
+  DADRL_ASSIGN_OR_RETURN(const Config own, options.config.Apply(Config{}));  // before anything waits
+  place.mtu = own.cluster.mtu;
+  DADRL_ASSIGN_OR_RETURN(place.key, Key(options, place.host));
+  DADRL_ASSIGN_OR_RETURN(const Config run,
+                         FindRun(place, kPatience, [&] { return signals->StopRequested(); }));
   DADRL_ASSIGN_OR_RETURN(const Config config, options.config.Apply(run));
   DADRL_RETURN_IF_ERROR(Validate(config));
-  const auto root = options.run_dir.empty() ? NewRunPath("runs", "join-" + endpoint.host)
+  const auto root = options.run_dir.empty() ? NewRunPath("runs", "join-" + place.host)
                                             : std::filesystem::path(options.run_dir);
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(root));
   DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
+  if (!place.key.empty()) DADRL_RETURN_IF_ERROR(SaveRunKey(root, place.key));
   const int first = options.first_index >= 0 ? options.first_index : DrawFirstIndex(options.actors);
   DADRL_ASSIGN_OR_RETURN(std::vector<ProcessSpec> specs,
                          ActorProcesses(directory.paths(), first, options.actors));
@@ -123,15 +116,20 @@ Command MakeActorCommand(CLI::App& dadrl) {
   auto options = std::make_shared<ActorOptions>();
   CLI::App* app =
       dadrl.add_subcommand("actor", "Add actors on this machine to a cluster that runs elsewhere");
-  app->add_option("--join", options->join,
-                  "Where the cluster runs; it must have been started with cluster.host set to "
-                  "an address this machine reaches")
+  app->add_option(
+         "--join", options->join,
+         "Where the cluster runs; on another machine it must have been started with cluster.host set "
+         "to an address this machine reaches")
       ->required()
       ->type_name("HOST[:PORT]");
   app->add_option("--actors", options->actors, "How many (default 1)")->check(CLI::Range(1, 4096));
   app->add_option("--first-index", options->first_index,
                   "Number of the first actor, unique in the cluster (default: drawn)")
       ->check(CLI::Range(0, 900'000));
+  app->add_option("--key", options->key_file,
+                  "The run's key, needed for a run on 127.0.0.1 and one with cluster.require_key (default: "
+                  "runs/latest/key)")
+      ->type_name("RUN/key");
   app->add_option("--run-dir", options->run_dir, "For the logs (default: runs/join-HOST-TIME)")
       ->type_name("DIR");
   options->config.AddTo(*app);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/io/run_key.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_results.h"
@@ -42,9 +43,8 @@ Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& sign
   }
   return Fail(
       ErrorCode::kUnavailable,
-      "no telemetry heard in {:.0f} s: the run is starting, or its multicast does not reach here; run "
-      "the monitor on the host (and in the container) of its replay, and there, as root: ip link set "
-      "lo multicast on && ip route add 224.0.0.0/4 dev lo (dadrl doctor tells)",
+      "no telemetry heard in {:.0f} s: the run is starting, or this is another host or container than its "
+      "replay's, which alone hears it: run the monitor there (dadrl doctor tells what it lacks)",
       waited_s);
 }
 
@@ -89,7 +89,8 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   }
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   const SystemClock clock;
-  DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, clock, {}));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths.root));
+  DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, key, clock, {}));
   const Status heard = Listen(*monitor, config, *signals, clock);
   if (options.json || options.once) {
     DADRL_RETURN_IF_ERROR(heard);

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "common/config/validate.h"
+#include "common/io/run_key.h"
 #include "deploy/cli/command.h"
+#include "deploy/local/cluster_address.h"
 #include "deploy/local/cluster_port.h"
 #include "deploy/local/executables.h"
 #include "deploy/local/resume_rules.h"
@@ -102,11 +104,13 @@ Result<int> RunTrain(const TrainOptions& options) {
     DADRL_RETURN_IF_ERROR(LoadRunConfig(directory->paths(), saved.emplace()));
   }
   DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
+  DADRL_ASSIGN_OR_RETURN(config.cluster.host, ClusterAddress(config.cluster.host));
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
   if (!directory) {
     DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
   }
   DADRL_RETURN_IF_ERROR(directory->SaveConfig(config));
+  DADRL_RETURN_IF_ERROR(EnsureRunKey(directory->paths().root));
   if (options.run_dir.empty() && !options.resume) LinkLatest(directory->paths().root);
 
   const SystemClock clock;

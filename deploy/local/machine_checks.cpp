@@ -16,6 +16,7 @@
 #include "common/dds/node.h"
 #include "common/io/file_descriptor.h"
 #include "deploy/local/child_process.h"
+#include "deploy/local/cluster_address.h"
 #include "deploy/local/executables.h"
 #include "proto/telemetry.h"
 
@@ -84,8 +85,7 @@ MachineCheck CheckPorts(int port) {
 
 // Whether a packet that this host multicasts comes back to it, as LCM needs.
 MachineCheck CheckMulticast(const ClusterConfig& cluster) {
-  const std::string remedy =
-      "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo (without, telemetry goes over DDS)";
+  const std::string remedy = "ip link set lo up (without, telemetry goes over DDS)";
   const std::string url = TelemetryUrl(cluster);
   const auto subscriber = TelemetrySubscriber::Create(url);
   if (!subscriber) return {"multicast", CheckState::kWarning, subscriber.error().message, remedy};
@@ -102,6 +102,25 @@ MachineCheck CheckMulticast(const ClusterConfig& cluster) {
   }
   if (heard) return {"multicast", CheckState::kGood, "this host hears itself", ""};
   return {"multicast", CheckState::kWarning, "this host does not hear itself", remedy};
+}
+
+// Where others would reach a cluster of this machine.
+MachineCheck CheckAddress(const ClusterConfig& cluster) {
+  const auto address = ClusterAddress(cluster.host);
+  if (!address) {
+    return {"address", CheckState::kBroken, address.error().message, "--set cluster.host=ADDRESS"};
+  }
+  if (dds::IsLoopback(*address)) {
+    return {"address", CheckState::kGood, *address + ": this machine alone, who has RUN/key", ""};
+  }
+  std::string packets;
+  for (const dds::LocalAddress& local : dds::LocalAddresses()) {
+    if (local.address != *address) continue;
+    const int mtu = cluster.mtu > 0 ? cluster.mtu : local.mtu;
+    packets = fmt::format(" ({}), packets of at most {} bytes", local.interface, mtu);
+  }
+  return {"address", CheckState::kGood,
+          *address + packets + (cluster.require_key ? ", who has RUN/key" : ", whoever reaches it"), ""};
 }
 
 MachineCheck CheckClock() {
@@ -177,6 +196,7 @@ std::vector<MachineCheck> CheckMachine(const Config& config) {
   Config probe = config;
   if (probe.cluster.port == 0) probe.cluster.port = dds::FindFreePort().value_or(0);
   checks.push_back(CheckPorts(probe.cluster.port));
+  checks.push_back(CheckAddress(config.cluster));
   checks.push_back(CheckMulticast(probe.cluster));
   checks.push_back(
       CheckReceiveBuffer(config.cluster.receive_buffer_bytes, NumberIn("/proc/sys/net/core/rmem_max")));

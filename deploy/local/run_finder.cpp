@@ -1,11 +1,13 @@
 #include "deploy/local/run_finder.h"
 
+#include <charconv>
 #include <map>
 #include <string_view>
 #include <utility>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "common/dds/address.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
 #include "common/util/log.h"
@@ -18,8 +20,23 @@ constexpr Duration kWait = std::chrono::milliseconds(50);
 // After the first answer, where there may be others: twice the interval of discovery, and then some.
 constexpr Duration kForOthers = std::chrono::seconds(3);
 
-std::string Describe(const std::string& host, int port) {
-  return port == 0 ? host : fmt::format("{}:{}", host, port);
+tl::unexpected<Error> NobodyAnswers(const RunPlace& place, bool loopback) {
+  const std::string where = place.port == 0 ? place.host : fmt::format("{}:{}", place.host, place.port);
+  if (loopback) {
+    return Fail(
+        ErrorCode::kUnavailable,
+        "no run answers at {}: is it running? One on this machine alone answers only who has its key, "
+        "and {}: name it with --key RUN/key",
+        where, place.key.empty() ? "none was given" : "the one given may be another run's");
+  }
+  return Fail(
+      ErrorCode::kUnavailable,
+      "no run answers at {}: is it running, was it started with --set cluster.host=ADDRESS that this "
+      "machine reaches, do firewalls let UDP through ({} ports from cluster.port on), {}, and do "
+      "packets of this interface's size get there whole (if not: --set cluster.mtu=1280 on both sides)?",
+      where, dds::kPortBlock,
+      place.key.empty() ? "does it ask for its key (--key)"
+                        : "is the key its own, and cluster.require_key set");
 }
 
 Result<Config> Parse(const dadrl_idl_RunConfig& message) {
@@ -40,12 +57,28 @@ Result<Config> TheOnly(std::map<int, Config> found, const std::string& host) {
 
 }  // namespace
 
-Result<Config> FindRun(const std::string& host, int port, Duration patience,
-                       const std::function<bool()>& stop) {
+Result<RunPlace> ParseRunPlace(const std::string& text) {
+  const size_t colon = text.find(':');
+  RunPlace place{.host = text.substr(0, colon)};
+  if (colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, place.port);
+    if (error != std::errc() || stop != end || place.port < 1 || place.port > 60000) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  "--join: '{}' is not HOST or HOST:PORT with a port of 1 to 60000", text);
+    }
+  }
+  if (place.host.empty()) return Fail(ErrorCode::kInvalidArgument, "--join: '{}' names no host", text);
+  return place;
+}
+
+Result<Config> FindRun(const RunPlace& place, Duration patience, const std::function<bool()>& stop) {
   ClusterConfig cluster;
-  cluster.host = host;
-  cluster.port = port;
-  DADRL_ASSIGN_OR_RETURN(const auto node, dds::Node::Create(cluster, 1, dds::Role::kMonitor, 0));
+  DADRL_ASSIGN_OR_RETURN(cluster.host, dds::ResolveHost(place.host));
+  cluster.port = place.port;
+  cluster.mtu = place.mtu;
+  cluster.require_key = !place.key.empty();
+  DADRL_ASSIGN_OR_RETURN(const auto node, dds::Node::Create(cluster, 1, dds::Role::kMonitor, 0, place.key));
   DADRL_ASSIGN_OR_RETURN(const auto reader, dds::Reader<dadrl_idl_RunConfig>::Create(*node, kRunConfigTopic));
   std::map<int, Config> found;  // by port
   Status failure;
@@ -58,17 +91,14 @@ Result<Config> FindRun(const std::string& host, int port, Duration patience,
         failure = tl::unexpected(config.error());
         return;
       }
-      if (found.empty()) end = clock.Now() + (port == 0 ? kForOthers : Duration::zero());
-      config->cluster.host = host;
+      if (found.empty()) end = clock.Now() + (place.port == 0 ? kForOthers : Duration::zero());
+      config->cluster.host = cluster.host;
       found[config->cluster.port] = std::move(*config);
     });
   }
-  if (!found.empty()) return TheOnly(std::move(found), host);
+  if (!found.empty()) return TheOnly(std::move(found), place.host);
   if (!failure) return tl::unexpected(failure.error());
-  return Fail(ErrorCode::kUnavailable,
-              "no run answers at {}: is it running, was it started with --set cluster.host=ADDRESS that this "
-              "machine reaches, and do firewalls let UDP through ({} ports from cluster.port on)?",
-              Describe(host, port), dds::kPortBlock);
+  return NobodyAnswers(place, dds::IsLoopback(cluster.host));
 }
 
 }  // namespace dadrl

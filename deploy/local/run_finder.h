@@ -10,11 +10,20 @@
 
 namespace dadrl {
 
-// The configuration of the run at `host`, as its shard 0 announces it, with cluster.host set to `host`.
-// `port` is its cluster.port; 0 looks at every port a launcher may have taken, which takes a few seconds.
-// Blocks; `stop` ends it. kUnavailable: nobody answers. kInvalidArgument: `host` is unknown, or several
+// Where a run is looked for.
+struct RunPlace {
+  std::string host;  // a name or an address
+  int port = 0;      // its cluster.port; 0: every port a launcher may have taken, which takes a few seconds
+  std::string key;   // the run's, or "": a run on 127.0.0.1, or with cluster.require_key, hears nobody else
+  int mtu = 0;       // as cluster.mtu
+};
+
+// "HOST" or "HOST:PORT". kInvalidArgument with what is wrong of it.
+Result<RunPlace> ParseRunPlace(const std::string& text);
+
+// The configuration of the run, as its shard 0 announces it, with cluster.host set to the address of `host`.
+// Blocks; `stop` ends it. kUnavailable: nobody answers. kInvalidArgument: the host is unknown, or several
 // clusters run there (the message names their ports).
-Result<Config> FindRun(const std::string& host, int port, Duration patience,
-                       const std::function<bool()>& stop);
+Result<Config> FindRun(const RunPlace& place, Duration patience, const std::function<bool()>& stop);
 
 }  // namespace dadrl

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/dds/address.h"
+#include "common/io/run_key.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/policy_selection.h"
 #include "deploy/monitor/bottleneck.h"
@@ -37,19 +38,21 @@ Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, 
   run->UpdateEpisodes();
   run->earlier_episodes_ = run->episodes_->episodes();
   run->earlier_env_steps_ = run->episodes_->env_steps();
-  run->OpenTelemetry();
+  DADRL_RETURN_IF_ERROR(run->OpenTelemetry());
   return run;
 }
 
-void TrainingRun::OpenTelemetry() {
-  auto monitor = ClusterMonitor::Open(config_, clock_, {.on_status = [this](const ProcessStatus& status) {
-                                        supervisor_.MarkReady(status.pid);
-                                      }});
+Status TrainingRun::OpenTelemetry() {
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths_.root));
+  auto monitor = ClusterMonitor::Open(
+      config_, key, clock_,
+      {.on_status = [this](const ProcessStatus& status) { supervisor_.MarkReady(status.pid); }});
   if (monitor) {
     monitor_ = std::move(*monitor);
   } else {
     display_.Message("training without a progress display: " + monitor.error().message);
   }
+  return {};
 }
 
 Status TrainingRun::StartCluster() {

@@ -44,7 +44,7 @@ class TrainingRun {
 
   TrainingRun(const RunPaths& paths, const Config& config, bool resume, SignalWatcher& signals,
               ProgressDisplay& display);
-  void OpenTelemetry();
+  Status OpenTelemetry();
   Status StartCluster();
 
   void WaitForEvents();

@@ -4,10 +4,10 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<ClusterMonitor>> ClusterMonitor::Open(const Config& config, const Clock& clock,
-                                                             Listeners listeners) {
+Result<std::unique_ptr<ClusterMonitor>> ClusterMonitor::Open(const Config& config, const std::string& key,
+                                                             const Clock& clock, Listeners listeners) {
   if (!config.telemetry.enabled) return Fail(ErrorCode::kUnavailable, "telemetry.enabled is false");
-  DADRL_ASSIGN_OR_RETURN(auto subscriber, TelemetrySubscriber::Create(config));
+  DADRL_ASSIGN_OR_RETURN(auto subscriber, TelemetrySubscriber::Create(config, key));
   return std::unique_ptr<ClusterMonitor>(
       new ClusterMonitor(std::move(subscriber), config.telemetry.interval_s, clock, std::move(listeners)));
 }
@@ -23,10 +23,19 @@ void ClusterMonitor::Poll(Duration timeout) {
   subscriber_->Poll(
       timeout,
       [this](const ProcessStatus& status) {
-        view_.Add(status, clock_.Now());
+        if (!view_.Add(status, clock_.Now())) ++surplus_;
         if (listeners_.on_status) listeners_.on_status(status);
       },
       [this](const EpisodeReport& report) { view_.Add(report); });
+}
+
+ClusterSummary ClusterMonitor::Summarize() const {
+  ClusterSummary summary = view_.Summarize(clock_.Now());
+  for (const auto& [kind, count] : subscriber_->refusals()) {
+    summary.rejected["telemetry: " + kind] = static_cast<double>(count);
+  }
+  if (surplus_ > 0) summary.rejected["telemetry: too many processes"] = static_cast<double>(surplus_);
+  return summary;
 }
 
 }  // namespace dadrl

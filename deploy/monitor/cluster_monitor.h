@@ -1,6 +1,7 @@
 // A ClusterView that feeds itself from the cluster's telemetry.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,14 +19,15 @@ class ClusterMonitor {
     std::function<void(const ProcessStatus&)> on_status;  // may be empty
   };
 
-  // kUnavailable when telemetry is off.
-  static Result<std::unique_ptr<ClusterMonitor>> Open(const Config& config, const Clock& clock,
-                                                      Listeners listeners);
+  // `key`: the run's, or "". kUnavailable when telemetry is off.
+  static Result<std::unique_ptr<ClusterMonitor>> Open(const Config& config, const std::string& key,
+                                                      const Clock& clock, Listeners listeners);
 
   // Takes in what arrives within `timeout`; zero: what is there.
   void Poll(Duration timeout);
 
-  ClusterSummary Summarize() const { return view_.Summarize(clock_.Now()); }
+  // With what was refused of telemetry itself, by kind ("telemetry: fragment").
+  ClusterSummary Summarize() const;
   int ReportingProcesses() const { return view_.ReportingProcesses(clock_.Now()); }
 
  private:
@@ -36,6 +38,7 @@ class ClusterMonitor {
   const Clock& clock_;
   Listeners listeners_;
   ClusterView view_;
+  uint64_t surplus_ = 0;  // packets of one process more than a cluster can have
 };
 
 }  // namespace dadrl

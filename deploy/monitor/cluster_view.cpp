@@ -8,7 +8,13 @@ namespace dadrl {
 namespace {
 
 constexpr size_t kRecentEpisodes = 100;
+// More than the largest cluster has; a status is less than a kilobyte.
+constexpr size_t kMaxProcesses = 8192;
+// Messages of one process in a window, at the shortest interval, and a few more.
+constexpr size_t kMaxHistory = 256;
 constexpr double kBytesPerMb = 1e6;
+// Between two messages, whatever they say.
+constexpr double kShortest_s = 1e-3;
 
 struct RejectionKind {
   dds::Role role;
@@ -124,18 +130,29 @@ ClusterView ClusterView::ForInterval(double interval_s) {
   return {FromSeconds(std::max(10.0, 5.0 * interval_s)), FromSeconds(std::max(3.0, 3.5 * interval_s))};
 }
 
-void ClusterView::Add(const ProcessStatus& status, TimePoint received) {
+bool ClusterView::MakeRoom(TimePoint now) {
+  if (processes_.size() < kMaxProcesses) return true;
+  const auto oldest =
+      std::min_element(processes_.begin(), processes_.end(),
+                       [](const auto& a, const auto& b) { return a.second.received < b.second.received; });
+  if (!Stale(oldest->second, now)) return false;
+  processes_.erase(oldest);
+  return true;
+}
+
+bool ClusterView::Add(const ProcessStatus& status, TimePoint received) {
+  if (!processes_.contains({status.role, status.index}) && !MakeRoom(received)) return false;
   const auto [found, is_new] = processes_.try_emplace(Key{status.role, status.index});
   Process& process = found->second;
   if (!is_new) {
     const ProcessStatus& last = process.history.back();
-    if (status.incarnation < last.incarnation) return;  // the late word of a dead predecessor
+    if (status.incarnation < last.incarnation) return true;  // the late word of a dead predecessor
     if (status.incarnation > last.incarnation) {
       for (size_t i = 0; i < process.before.size(); ++i) process.before[i] += last.metrics[i];
       ++process.restarts;
       process.history.clear();
     } else if (status.uptime_s <= last.uptime_s) {
-      return;  // out of order
+      return true;  // out of order
     }
   }
   process.received = received;
@@ -145,6 +162,8 @@ void ClusterView::Add(const ProcessStatus& status, TimePoint received) {
   while (process.history.size() > 2 && process.history[1].uptime_s <= window_start_s) {
     process.history.pop_front();
   }
+  if (process.history.size() > kMaxHistory) process.history.pop_front();
+  return true;
 }
 
 void ClusterView::Add(const EpisodeReport& report) {
@@ -162,7 +181,8 @@ double ClusterView::Rate(const Process& process, Metric metric, TimePoint now) c
   const ProcessStatus& first = process.history.front();
   const ProcessStatus& last = process.history.back();
   // The sender's own uptime is the time base: monotonic, and free of the network's delay.
-  return std::max(0.0, last[metric] - first[metric]) / (last.uptime_s - first.uptime_s);
+  const double elapsed_s = std::max(last.uptime_s - first.uptime_s, kShortest_s);
+  return std::max(0.0, last[metric] - first[metric]) / elapsed_s;
 }
 
 double ClusterView::Total(dds::Role role, Metric metric) const {

@@ -93,7 +93,7 @@ struct ClusterSummary {
 
 std::string RoleName(dds::Role role);
 
-// Not thread safe.
+// Not thread safe. Holds a bounded amount whatever it is told: anyone on this host can forge a status.
 class ClusterView {
  public:
   // Rates are means over `window`; a process silent for `stale_after` counts as not running.
@@ -101,7 +101,8 @@ class ClusterView {
   // Window and limit that suit messages every `interval_s`.
   static ClusterView ForInterval(double interval_s);
 
-  void Add(const ProcessStatus& status, TimePoint received);
+  // False when it was not taken: one process more than a cluster can have.
+  bool Add(const ProcessStatus& status, TimePoint received);
   void Add(const EpisodeReport& report);
 
   ClusterSummary Summarize(TimePoint now) const;
@@ -117,6 +118,9 @@ class ClusterView {
     std::array<double, static_cast<size_t>(Metric::kCount)> before{};
   };
   using Key = std::pair<dds::Role, int>;
+
+  // Makes room for one process more where there is none: the one that was silent the longest goes.
+  bool MakeRoom(TimePoint now);
 
   // Adds one process's part to the sums.
   void Accumulate(const ProcessRow& row, const Process& process, TimePoint now,

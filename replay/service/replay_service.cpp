@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/config/config_yaml.h"
+#include "common/io/run_key.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
 #include "replay/service/chunk_verifier.h"
@@ -48,8 +49,9 @@ Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& opti
 
 Status ReplayService::Join() {
   const Config& config = options_.config;
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
   DADRL_ASSIGN_OR_RETURN(node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kReplay,
-                                                  static_cast<int>(options_.shard)));
+                                                  static_cast<int>(options_.shard), key));
   DADRL_ASSIGN_OR_RETURN(heartbeat_, dds::Writer<dadrl_idl_Heartbeat>::Create(*node_, kHeartbeatTopic));
   if (options_.shard == 0) DADRL_RETURN_IF_ERROR(AnnounceRun());
   telemetry_ = std::make_unique<TelemetryPublisher>(config, *node_);

@@ -14,7 +14,7 @@ Result<std::unique_ptr<TelemetryRelay>> TelemetryRelay::Create(const dds::Node& 
   std::unique_ptr<TelemetryRelay> relay(new TelemetryRelay);
   DADRL_ASSIGN_OR_RETURN(relay->out_, dds::Writer<dadrl_idl_Telemetry>::Create(node, kRelayedTelemetryTopic));
   DADRL_ASSIGN_OR_RETURN(relay->in_, dds::Reader<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic));
-  if (auto bus = LcmBus::Open(TelemetryUrl(cluster))) relay->bus_ = std::move(*bus);
+  if (auto lcm = LcmSender::Open(TelemetryUrl(cluster))) relay->lcm_ = std::move(*lcm);
   return relay;
 }
 
@@ -32,7 +32,7 @@ void TelemetryRelay::OnPacket(const dadrl_idl_Telemetry& message) {
     return;
   }
   // Lossy on purpose: what does not leave now is out of date soon.
-  if (bus_) static_cast<void>(bus_->Publish(TelemetryChannel(message.is_episode), packet));
+  if (lcm_) static_cast<void>(lcm_->Publish(TelemetryChannel(message.is_episode), packet));
   static_cast<void>(out_->Write(message));
 }
 

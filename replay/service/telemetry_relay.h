@@ -7,7 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/dds/endpoint.h"
-#include "common/telemetry/lcm_bus.h"
+#include "common/telemetry/lcm_sender.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
 
@@ -26,7 +26,7 @@ class TelemetryRelay {
 
   std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> in_;
   std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> out_;
-  std::unique_ptr<LcmBus> bus_;  // null where the host does not hear its own multicast
+  std::unique_ptr<LcmSender> lcm_;  // null where the host does not hear its own multicast
   uint64_t rejected_ = 0;
 };
 

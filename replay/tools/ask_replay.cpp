@@ -11,6 +11,7 @@
 #include "common/config/config_yaml.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/io/run_key.h"
 #include "common/util/clock.h"
 
 namespace dadrl {
@@ -45,8 +46,9 @@ Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_Repl
   Config config;
   DADRL_RETURN_IF_ERROR(LoadYaml(run_directory / "config.yaml", config));
   const auto shards = static_cast<size_t>(config.replay.shards);
-  DADRL_ASSIGN_OR_RETURN(const auto node,
-                         dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(run_directory));
+  DADRL_ASSIGN_OR_RETURN(
+      const auto node, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0, key));
   DADRL_ASSIGN_OR_RETURN(const auto answers,
                          dds::Reader<dadrl_idl_ReplayAnswer>::Create(*node, kReplayAnswerTopic));
   DADRL_ASSIGN_OR_RETURN(const auto commands,

@@ -20,7 +20,7 @@ using ::testing::Not;
 TEST(DomainXml, ActorsKnowTheServicesAndNobodyElse) {
   ClusterConfig cluster;
   cluster.port = 20000;
-  const std::string xml = DomainXml(cluster, 2, Role::kActor, 7, Plane::kControl, "127.0.0.1");
+  const std::string xml = DomainXml(cluster, 2, Role::kActor, 7, Plane::kControl, {.address = "127.0.0.1"});
   EXPECT_THAT(xml, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20110\"/><Peer Address=\"127.0.0.1:20112\"/>"
                              "<Peer Address=\"127.0.0.1:20114\"/></Peers>"));
   EXPECT_THAT(xml, HasSubstr("<ParticipantIndex>none</ParticipantIndex>"));
@@ -29,19 +29,24 @@ TEST(DomainXml, ActorsKnowTheServicesAndNobodyElse) {
 TEST(DomainXml, ServicesStandAtTheirPlaceAndKnowEachOther) {
   ClusterConfig cluster;
   cluster.port = 20000;
-  const std::string learner = DomainXml(cluster, 2, Role::kLearner, 0, Plane::kData, "127.0.0.1");
+  const std::string learner =
+      DomainXml(cluster, 2, Role::kLearner, 0, Plane::kData, {.address = "127.0.0.1"});
   EXPECT_THAT(learner, HasSubstr("<ParticipantIndex>2</ParticipantIndex>"));
   EXPECT_THAT(learner, Not(HasSubstr(":20014")));
-  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kData, "127.0.0.1");
+  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kData, {.address = "127.0.0.1"});
   EXPECT_THAT(shard, HasSubstr("<ParticipantIndex>1</ParticipantIndex>"));
   EXPECT_THAT(shard, HasSubstr("<Peer Address=\"127.0.0.1:20010\"/><Peer Address=\"127.0.0.1:20014\"/>"));
 }
 
 TEST(DomainXml, FragmentsAreLargeOnLoopbackOnly) {
   ClusterConfig cluster;
-  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, "127.0.0.1"), HasSubstr("65000 B"));
+  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, {.address = "127.0.0.1", .mtu = 65536}),
+              HasSubstr("65000 B"));
   cluster.host = "10.0.0.1";
-  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, "10.0.0.2"), Not(HasSubstr("65000 B")));
+  const std::string xml =
+      DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, {.address = "10.0.0.2", .mtu = 1400});
+  EXPECT_THAT(xml, HasSubstr("<MaxMessageSize>1372 B</MaxMessageSize><MaxRexmitMessageSize>1372 B<"));
+  EXPECT_THAT(xml, HasSubstr("<FragmentSize>1212 B"));
 }
 
 TEST(FindFreePort, GivesEachCallerItsOwnBlock) {
@@ -85,6 +90,52 @@ TEST(Node, RefusesAHostThatIsNotHere) {
   ASSERT_FALSE(learner);
   EXPECT_EQ(learner.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(learner.error().message, HasSubstr("203.0.113.1"));
+}
+
+// What `ss` shows of this process: the local address of each of its UDP sockets.
+std::set<std::string> BoundAddresses() {
+  std::set<std::string> addresses;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    sockaddr_in name{};
+    socklen_t length = sizeof(name);
+    const int fd = std::stoi(entry.path().filename());
+    if (::getsockname(fd, reinterpret_cast<sockaddr*>(&name), &length) != 0) continue;
+    if (name.sin_family != AF_INET) continue;
+    addresses.insert(fmt::format("{:08x}", ntohl(name.sin_addr.s_addr)));
+  }
+  return addresses;
+}
+
+TEST(Node, BindsEverySocketToItsOneAddress) {
+  const ClusterConfig cluster = LoopbackCluster();
+  const auto replay = MakeNode(cluster, Role::kReplay);
+  const auto learner = MakeNode(cluster, Role::kLearner);
+  const auto actor = MakeNode(cluster, Role::kActor);
+  EXPECT_EQ(BoundAddresses(), std::set<std::string>{"7f000001"});
+}
+
+TEST(Node, FindsOnlyThoseWithTheSameKey) {
+  const ClusterConfig cluster = LoopbackCluster();
+  const std::string key(32, '1');
+  const auto replay = Node::Create(cluster, 1, Role::kReplay, 0, key).value();
+  const auto reader = BlobReader::Create(*replay, kNewest).value();
+  const auto stranger = Node::Create(cluster, 1, Role::kActor, 0, std::string(32, '2')).value();
+  const auto plain = Node::Create(cluster, 1, Role::kActor, 0).value();
+  std::vector<std::unique_ptr<BlobWriter>> others;
+  for (const auto* node : {&stranger, &plain}) others.push_back(BlobWriter::Create(**node, kNewest).value());
+  // They came first: when the last one is known, they would be.
+  const auto friendly = Node::Create(cluster, 1, Role::kActor, 0, key).value();
+  const auto writer = BlobWriter::Create(*friendly, kNewest).value();
+  EXPECT_TRUE(Eventually([&] { return writer->matched() == 1 && reader->matched() == 1; }));
+  for (const auto& other : others) EXPECT_EQ(other->matched(), 0);
+}
+
+TEST(Node, AsksForAKeyThatIsRequired) {
+  ClusterConfig cluster = LoopbackCluster();
+  cluster.require_key = true;
+  const auto actor = Node::Create(cluster, 1, Role::kActor, 0);
+  ASSERT_FALSE(actor);
+  EXPECT_THAT(actor.error().message, HasSubstr("cluster.require_key"));
 }
 
 TEST(Node, RefusesAHostWithoutAddress) {

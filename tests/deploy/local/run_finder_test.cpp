@@ -18,11 +18,11 @@ bool Never() { return false; }
 // What shard 0 of a run announces.
 class AnnouncedRun {
  public:
-  explicit AnnouncedRun(std::string yaml = "") {
+  explicit AnnouncedRun(std::string yaml = "", const std::string& key = "") {
     config_.cluster.port = dds::FindFreePort().value();
     config_.algorithm.gamma = 0.77;
     if (yaml.empty()) yaml = ToYaml(config_, false);
-    node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0).value();
+    node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0, key).value();
     writer_ = dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic).value();
     dadrl_idl_RunConfig message{};
     message.port = config_.cluster.port;
@@ -40,17 +40,17 @@ class AnnouncedRun {
 
 TEST(RunFinder, BringsTheRunsConfiguration) {
   const AnnouncedRun run;
-  const auto found = FindRun("localhost", run.port(), std::chrono::seconds(30), Never);
+  const auto found = FindRun({.host = "localhost", .port = run.port()}, std::chrono::seconds(30), Never);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->algorithm.gamma, 0.77);
   EXPECT_EQ(found->cluster.port, run.port());
-  EXPECT_EQ(found->cluster.host, "localhost");
+  EXPECT_EQ(found->cluster.host, "127.0.0.1");
 }
 
 TEST(RunFinder, WithoutAPortItFindsEveryRunAndAsksWhichOne) {
   const AnnouncedRun first;
   const AnnouncedRun second;
-  const auto found = FindRun("127.0.0.1", 0, std::chrono::seconds(30), Never);
+  const auto found = FindRun({.host = "127.0.0.1"}, std::chrono::seconds(30), Never);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, ErrorCode::kInvalidArgument);
   for (const AnnouncedRun* run : {&first, &second}) {
@@ -60,16 +60,31 @@ TEST(RunFinder, WithoutAPortItFindsEveryRunAndAsksWhichOne) {
 
 TEST(RunFinder, SaysWhatToCheckWhenNobodyAnswers) {
   const int port = dds::FindFreePort().value();
-  const auto found = FindRun("127.0.0.1", port, std::chrono::milliseconds(100), Never);
+  const auto found = FindRun({.host = "127.0.0.1", .port = port}, std::chrono::milliseconds(100), Never);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, ErrorCode::kUnavailable);
   EXPECT_THAT(found.error().message, HasSubstr(fmt::format("127.0.0.1:{}", port)));
-  EXPECT_THAT(found.error().message, HasSubstr("cluster.host"));
+  EXPECT_THAT(found.error().message, HasSubstr("--key RUN/key"));
+}
+
+TEST(RunFinder, IsAnsweredByARunOfThisMachineOnlyWithItsKey) {
+  const std::string key(32, 'a');
+  const AnnouncedRun run("", key);
+  const auto ask = [&](const std::string& shown, Duration patience) {
+    return FindRun({.host = "127.0.0.1", .port = run.port(), .key = shown}, patience, Never);
+  };
+  EXPECT_TRUE(ask(key, std::chrono::seconds(30)));
+  const auto without = ask("", std::chrono::seconds(3));
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message, HasSubstr("none was given"));
+  const auto wrong = ask(std::string(32, 'b'), std::chrono::seconds(3));
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message, HasSubstr("may be another run's"));
 }
 
 TEST(RunFinder, RefusesAConfigurationOfAnotherVersion) {
   const AnnouncedRun run("algorithm: {no_such_key: 1}");
-  const auto found = FindRun("127.0.0.1", run.port(), std::chrono::seconds(2), Never);
+  const auto found = FindRun({.host = "127.0.0.1", .port = run.port()}, std::chrono::seconds(2), Never);
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error().message, HasSubstr("no_such_key"));
 }

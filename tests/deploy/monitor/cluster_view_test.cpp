@@ -46,6 +46,26 @@ TEST(ClusterView, OneMessageGivesNoRate) {
   EXPECT_EQ(view.ReportingProcesses(kStart), 0);
 }
 
+TEST(ClusterView, HoldsABoundedNumberOfProcesses) {
+  ClusterView view = MakeView();
+  int taken = 0;
+  for (int index = 0; index < 100'000; ++index) taken += view.Add(Actor(index, 1.0, 1), kStart) ? 1 : 0;
+  EXPECT_EQ(view.Summarize(kStart).processes.size(), static_cast<size_t>(taken));
+  EXPECT_LT(taken, 10'000);
+  EXPECT_TRUE(view.Add(Actor(5, 2.0, 1), kStart)) << "who is known is heard";
+  EXPECT_FALSE(view.Add(Actor(100'000, 1.0, 1), kStart + seconds(1)));
+  EXPECT_TRUE(view.Add(Actor(100'000, 1.0, 1), kStart + seconds(5))) << "the forged ones have gone stale";
+}
+
+TEST(ClusterView, HoldsABoundedNumberOfMessages) {
+  ClusterView view = MakeView();
+  double uptime_s = 1.0;
+  for (int i = 0; i < 100'000; ++i) view.Add(Actor(0, uptime_s += 1e-6, i), kStart);
+  const double rate = view.Summarize(kStart).env_steps_per_s;
+  EXPECT_LT(rate, 1e6) << "what no clock measures is no time";
+  EXPECT_GT(rate, 0.0);
+}
+
 TEST(ClusterView, ForgetsWhatIsOlderThanTheWindow) {
   ClusterView view = MakeView();
   double steps = 0.0;

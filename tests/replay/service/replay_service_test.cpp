@@ -188,7 +188,7 @@ TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
     });
   };
   EXPECT_TRUE(hears(*elsewhere)) << replay_->Log();
-  EXPECT_EQ(elsewhere->rejected_packets(), 0u) << "forged packets are not passed on";
+  EXPECT_TRUE(elsewhere->refusals().empty()) << "forged packets are not passed on";
   if (local) {
     EXPECT_TRUE(hears(**local)) << replay_->Log();
   }
