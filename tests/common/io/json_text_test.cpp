@@ -1,0 +1,62 @@
+#include "common/io/json_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace dadrl {
+namespace {
+
+using testing::HasSubstr;
+
+std::string Nested(int levels) {
+  return std::string(static_cast<size_t>(levels), '[') + std::string(static_cast<size_t>(levels), ']');
+}
+
+TEST(JsonText, IsReadAsDeepAsTheLimit) {
+  EXPECT_TRUE(ParseJson(Nested(kMaxJsonDepth), "x"));
+  for (const int levels : {kMaxJsonDepth + 1, 100000}) {
+    EXPECT_EQ(ParseJson(Nested(levels), "x").error().message, "x is nested deeper than 16 levels");
+  }
+}
+
+TEST(JsonText, WhatIsNoneIsNamedInOneLine) {
+  for (const char* text : {"", "{", "[1,]", "nan", "1e999", "\"\xff\"", "{\"a\":\n\n1"}) {
+    const auto json = ParseJson(text, "x.json");
+    ASSERT_FALSE(json) << text;
+    EXPECT_EQ(json.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(json.error().message, HasSubstr("x.json is not JSON"));
+    EXPECT_EQ(json.error().message.find('\n'), std::string::npos);
+  }
+}
+
+TEST(JsonFields, TakesWhatIsThereAndNamesTheFirstThatIsNot) {
+  const auto json = ParseJson(R"({"n": 7, "x": -1.5, "b": true, "t": "text"})", "x").value();
+  JsonFields fields(json);
+  EXPECT_EQ(fields.Whole("n", 7), 7u);
+  EXPECT_EQ(fields.Number("x", -2, 0), -1.5);
+  EXPECT_TRUE(fields.Boolean("b"));
+  EXPECT_EQ(fields.Text("t", 4), "text");
+  EXPECT_TRUE(fields.ok());
+  EXPECT_EQ(fields.Whole("missing", 7), 0u);
+  EXPECT_EQ(fields.Text("t", 3), "");
+  EXPECT_EQ(fields.bad(), "missing");
+}
+
+TEST(JsonFields, NeverTruncatesANumber) {
+  const auto json =
+      ParseJson(R"({"big": 1e300, "half": 0.5, "negative": -1, "text": "1", "null": null})", "x").value();
+  for (const char* key : {"big", "half", "negative", "text", "null"}) {
+    JsonFields fields(json);
+    fields.Whole(key, UINT64_MAX);
+    EXPECT_EQ(fields.bad(), key);
+  }
+  JsonFields fields(json);
+  fields.Number("big", 0, 1e9);
+  EXPECT_EQ(fields.bad(), "big");
+  const auto list = ParseJson("[1]", "x").value();
+  JsonFields none(list);
+  EXPECT_FALSE(none.Has("0"));
+}
+
+}  // namespace
+}  // namespace dadrl
