@@ -54,13 +54,13 @@ Result<Config> EffectiveConfig(const TrainOptions& options, const std::optional<
   return config;
 }
 
-void PrintSummary(const RunPaths& paths, const Config& config, RunOutcome outcome) {
+void PrintSummary(const RunPaths& paths, RunOutcome outcome) {
   fmt::print("run:     {}\nresults: {}\n", paths.root.string(), paths.results().string());
   std::error_code error;
   const fs::path policy = fs::exists(paths.best_policy(), error) ? paths.best_policy() : paths.policy();
   if (fs::exists(policy, error)) fmt::print("policy:  {}\n", policy.string());
   if (outcome != RunOutcome::kFinished) {
-    fmt::print("go on:   dadrl train {} --resume --run-dir {}\n", config.scenario, paths.root.string());
+    fmt::print("go on:   dadrl train --resume --run-dir {}\n", paths.root.string());
   }
 }
 
@@ -119,7 +119,7 @@ Result<int> RunTrain(const TrainOptions& options) {
                          TrainingRun::Create(directory->paths(), config, options.resume, *signals, display));
   DADRL_ASSIGN_OR_RETURN(const RunOutcome outcome, run->Run());
   display.Finish();
-  PrintSummary(directory->paths(), config, outcome);
+  PrintSummary(directory->paths(), outcome);
   return outcome == RunOutcome::kFailed ? 1 : 0;
 }
 

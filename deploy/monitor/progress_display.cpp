@@ -17,6 +17,8 @@ constexpr size_t kLineColumns = 119;
 // the next redraw would not know of.
 constexpr const char* kWrapOff = "\x1b[?7l";
 constexpr const char* kWrapOn = "\x1b[?7h";
+constexpr const char* kClearLine = "\x1b[2K";
+constexpr const char* kClearBelow = "\x1b[J";
 
 }  // namespace
 
@@ -37,14 +39,13 @@ bool ProgressDisplay::Due() const { return clock_.Now() >= next_; }
 // A terminal or pipe that is gone must not end the training: errors are ignored (fmt::print would throw).
 void ProgressDisplay::Put(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stream_); }
 
-void ProgressDisplay::Erase() {
+void ProgressDisplay::GoToTop() {
   if (shown_.empty()) return;
   // A terminal that became narrower has broken long lines into several.
   const TerminalSize size = SizeOf(stream_);
   size_t up = 0;
   for (const size_t columns : shown_) up += std::max<size_t>(1, (columns + size.columns - 1) / size.columns);
-  // Up over the old panel, then clear to the end of the screen.
-  Put(fmt::format("\x1b[{}F\x1b[J", std::min(up, std::max<size_t>(size.rows, 2) - 1)));
+  Put(fmt::format("\x1b[{}F", std::min(up, std::max<size_t>(size.rows, 2) - 1)));
   shown_.clear();
 }
 
@@ -55,20 +56,25 @@ void ProgressDisplay::Show(const Progress& progress) {
     std::fflush(stream_);
     return;
   }
-  Erase();
+  // Line by line over the old panel: where it fills the screen, clearing it would move it into the history of
+  // some terminals, twice a second.
+  GoToTop();
   TerminalSize size = SizeOf(stream_);
   size.rows = std::max<size_t>(size.rows, 2) - 1;  // the last one is the cursor's
   Put(kWrapOff);
   for (const std::string& line : RenderPanel(progress, size)) {
-    Put(line + "\n");
+    Put(kClearLine + line + "\n");
     shown_.push_back(Columns(line));
   }
-  Put(kWrapOn);
+  Put(std::string(kClearBelow) + kWrapOn);
   std::fflush(stream_);
 }
 
 void ProgressDisplay::Message(const std::string& text) {
-  Erase();
+  if (!shown_.empty()) {
+    GoToTop();
+    Put(kClearBelow);
+  }
   Put(text + "\n");
   std::fflush(stream_);
   if (terminal_) next_ = clock_.Now();  // brings the panel back at once

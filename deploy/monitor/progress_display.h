@@ -35,7 +35,8 @@ class ProgressDisplay {
 
  private:
   void Put(const std::string& text);
-  void Erase();
+  // Up to the first line of the panel that is shown.
+  void GoToTop();
 
   std::FILE* stream_;
   const Clock& clock_;

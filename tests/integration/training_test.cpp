@@ -164,7 +164,7 @@ TEST(Training, GoesOnFromWhereItWasInterrupted) {
 
 TEST(Training, AScenariosNameMayHaveSpacesAndMoreInIt) {
   const TemporaryFolder folder;
-  const std::string name = "Straße, \"neu\"";
+  const std::string name = "Straße \"neu\"";  // a comma in a path means several files to SUMO
   std::filesystem::create_directories(folder.path() / "scenarios");
   std::filesystem::copy(DADRL_BINARY_DIR "/share/dadrl/scenarios/left_turn",
                         folder.path() / "scenarios" / name, std::filesystem::copy_options::recursive);

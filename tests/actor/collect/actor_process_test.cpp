@@ -137,6 +137,23 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   }
 }
 
+TEST_F(ActorProcessTest, DrivesOnWithItsPolicyWhenTheLearnerIsGone) {
+  ReplayPeer replay(config_.cluster, disk_, 1000);
+  Program actor = Start();
+  ASSERT_TRUE(Eventually([&] { return disk_.stored() >= 1; }, std::chrono::seconds(90))) << Read(Log());
+  PublishPolicy(7);
+  ASSERT_TRUE(Eventually([&] { return replay.newest_policy_version() == 7; }, std::chrono::seconds(90)))
+      << Read(Log());
+  weights_.reset();
+  learner_.reset();
+  const uint64_t before = disk_.stored();
+  EXPECT_TRUE(Eventually([&] { return disk_.stored() >= before + 20; }, std::chrono::seconds(90)))
+      << Read(Log());
+  EXPECT_EQ(replay.last_policy_version(), 7u);
+  actor.Terminate();
+  EXPECT_EQ(actor.Wait(), 0) << Read(Log());
+}
+
 TEST_F(ActorProcessTest, GoesOnAfterTheReplayWasAway) {
   Program actor = Start();
   EXPECT_TRUE(Eventually(

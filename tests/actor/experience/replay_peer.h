@@ -69,6 +69,8 @@ class ReplayPeer {
   void LoseNext(int count) { lose_ = count; }
   uint64_t highest_seen() const { return highest_seen_; }
   uint32_t newest_policy_version() const { return newest_policy_version_; }
+  // Of the frame that came last.
+  uint32_t last_policy_version() const { return last_policy_version_; }
   void SendAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
     EXPECT_TRUE(acknowledgements_[ack.actor % kAcknowledgementGroups]->Write(ack));
   }
@@ -85,7 +87,8 @@ class ReplayPeer {
         if (identity.incarnation != incarnation_) NewIncarnation();
         highest_seen_ = std::max<uint64_t>(highest_seen_, identity.sequence);
         for (int frame = 0; frame < view->frames(); ++frame) {
-          newest_policy_version_ = std::max<uint32_t>(newest_policy_version_, view->policy_version(frame));
+          last_policy_version_ = view->policy_version(frame);
+          newest_policy_version_ = std::max<uint32_t>(newest_policy_version_, last_policy_version_);
         }
         actor_ = identity.actor;
         incarnation_ = identity.incarnation;
@@ -132,6 +135,7 @@ class ReplayPeer {
   std::atomic<int> lose_{0};
   std::atomic<uint64_t> highest_seen_{0};
   std::atomic<uint32_t> newest_policy_version_{0};
+  std::atomic<uint32_t> last_policy_version_{0};
   uint32_t actor_ = 0;
   uint64_t incarnation_ = 0;
   std::unique_ptr<dds::Node> node_;

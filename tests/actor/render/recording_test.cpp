@@ -65,6 +65,7 @@ TEST(RecordEpisode, SumosDriverGivesNoCommands) {
   const auto environment = MakeEnvironment(setup);
   const auto recording = RecordEpisode(*environment, *setup.policy, setup.description, kSeed);
   ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_FALSE(recording->moments.empty());
   for (const Moment& moment : recording->moments) EXPECT_FALSE(moment.command);
 }
 

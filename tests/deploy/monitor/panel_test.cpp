@@ -1,12 +1,15 @@
 #include "deploy/monitor/panel.h"
 
 #include <gmock/gmock.h>
+#include <pty.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <limits>
+#include <regex>
 #include <sstream>
 
 #include "deploy/monitor/monitor_json.h"
@@ -201,6 +204,62 @@ TEST(ProgressDisplay, PrintsPlainLinesEveryTenSecondsWhereThereIsNoTerminal) {
   EXPECT_THAT(text, HasSubstr("[3:12 of 20:00] training"));
   EXPECT_THAT(text, HasSubstr("\nactor-0 ended\n"));
   EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+}
+
+// A terminal of this size, and what was written to it.
+class PseudoTerminal {
+ public:
+  PseudoTerminal(unsigned short rows, unsigned short columns) {
+    const winsize size = Size(rows, columns);
+    EXPECT_EQ(openpty(&master_, &slave_, nullptr, nullptr, &size), 0);
+    stream_ = fdopen(slave_, "w");
+  }
+  ~PseudoTerminal() {
+    std::fclose(stream_);
+    close(master_);
+  }
+  PseudoTerminal(const PseudoTerminal&) = delete;
+  PseudoTerminal& operator=(const PseudoTerminal&) = delete;
+  std::FILE* stream() const { return stream_; }
+  void Resize(unsigned short rows, unsigned short columns) const {
+    const winsize size = Size(rows, columns);
+    EXPECT_EQ(ioctl(master_, TIOCSWINSZ, &size), 0);
+  }
+  // Since the last call.
+  std::string Written() const {
+    std::string text(1 << 16, '\0');
+    const ssize_t bytes = read(master_, text.data(), text.size());
+    text.resize(bytes > 0 ? static_cast<size_t>(bytes) : 0);
+    return text;
+  }
+
+ private:
+  static winsize Size(unsigned short rows, unsigned short columns) {
+    return {.ws_row = rows, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+  }
+  int master_ = -1;
+  int slave_ = -1;
+  std::FILE* stream_ = nullptr;
+};
+
+TEST(ProgressDisplay, StaysInsideATerminalOfTenRowsAndOneThatBecomesNarrower) {
+  const PseudoTerminal terminal(10, 80);
+  const ManualClock clock;
+  ProgressDisplay display(terminal.stream(), clock);
+  display.Show(Busy(100));
+  const std::string first = terminal.Written();
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 9);  // the tenth row is the cursor's
+  display.Show(Sample());                                      // back over all of it
+  EXPECT_THAT(terminal.Written(), testing::StartsWith("\x1b[9F"));
+  size_t broken = 0;
+  for (const std::string& line : RenderPanel(Sample(), {9, 80})) broken += (Columns(line) + 19) / 20;
+  ASSERT_GT(broken, 9u);
+  terminal.Resize(50, 20);  // it breaks each of its nine lines into several
+  display.Show(Sample());
+  const std::string narrow = terminal.Written();
+  EXPECT_THAT(narrow, testing::StartsWith(fmt::format("\x1b[{}F", broken)));
+  std::istringstream lines(std::regex_replace(narrow, std::regex("\x1b\\[[?0-9]*[A-Za-z]|\r"), ""));
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(Columns(line), 20u) << line;
 }
 
 TEST(ProgressDisplay, OutlivesItsReader) {
