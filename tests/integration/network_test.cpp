@@ -160,6 +160,10 @@ TEST_F(TwoMachines, APulledCableCostsAndRepeatsNothingAndTrainingGoesOnByItself)
   Stop(*training_);
   training_.reset();
   ExpectEveryChunkOnce(run_);
+  // The machine that joined has its episodes itself; the run counts its own machine's, and there are none.
+  const std::string driven = FileText(folder_.path() / "edge" / "episodes.csv");
+  EXPECT_GT(std::count(driven.begin(), driven.end(), '\n'), 1);
+  EXPECT_EQ(json::parse(FileText(run_ / "results.json"))["training_episodes"], 0);
 }
 
 // 0 while the cluster hears of none.
