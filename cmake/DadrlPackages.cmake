@@ -11,7 +11,6 @@ find_package(tl-expected REQUIRED)
 find_package(zstd REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
 include(GoogleTest)
 
 # Of LCM the generated types alone: its receiver puts forged fragments together (common/telemetry/lcm_receiver.h).

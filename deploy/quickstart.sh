@@ -40,7 +40,7 @@ deploy/install_packages.sh
 
 step "2 of 4: build (build/release)"
 [ -f build/release/build.ninja ] || cmake --preset release
-cmake --build --preset release
+cmake --build --preset release --target dadrl_product
 dadrl=build/release/bin/dadrl
 
 step "3 of 4: training left_turn for $minutes minutes into $run_dir"
