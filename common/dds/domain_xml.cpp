@@ -37,6 +37,7 @@ constexpr int kPacketHeaders = 28;
 constexpr int kMessageHeaders = 160;
 // Of Ethernet, where the interface does not tell.
 constexpr int kUsualMtu = 1500;
+constexpr int kSmallestMtu = 576;        // that every IPv4 host takes
 constexpr int kLongestMessage = 65'500;  // of UDP, nearly
 
 std::string SizesXml(const ClusterConfig& cluster, int mtu) {
@@ -44,7 +45,8 @@ std::string SizesXml(const ClusterConfig& cluster, int mtu) {
     return fmt::format("<MaxMessageSize>{} B</MaxMessageSize><FragmentSize>65000 B</FragmentSize>",
                        kLongestMessage);
   }
-  const int message = std::min((mtu > 0 ? mtu : kUsualMtu) - kPacketHeaders, kLongestMessage);
+  const int packet = mtu > 0 ? std::max(mtu, kSmallestMtu) : kUsualMtu;
+  const int message = std::min(packet - kPacketHeaders, kLongestMessage);
   return fmt::format(
       "<MaxMessageSize>{} B</MaxMessageSize><MaxRexmitMessageSize>{} B</MaxRexmitMessageSize>"
       "<FragmentSize>{} B</FragmentSize>",

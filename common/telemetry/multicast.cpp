@@ -34,10 +34,12 @@ Status Bind(const FileDescriptor& socket, const sockaddr_in& address) {
   return Failed("bind");
 }
 
+// On the loopback interface, and where there is none on no other: the kernel would choose one for index 0.
 ip_mreqn OnLoopback(const sockaddr_in& group) {
+  const auto loopback = static_cast<int>(if_nametoindex("lo"));
   return {.imr_multiaddr = group.sin_addr,
           .imr_address = {INADDR_ANY},
-          .imr_ifindex = static_cast<int>(if_nametoindex("lo"))};
+          .imr_ifindex = loopback > 0 ? loopback : -1};
 }
 
 Result<FileDescriptor> UdpSocket() {

@@ -18,6 +18,8 @@ struct RunPaths {
   std::filesystem::path checkpoints() const { return root / "checkpoints"; }
   std::filesystem::path replay() const { return root / "replay"; }
   std::filesystem::path logs() const { return root / "logs"; }
+  // The learner's curves, a row an interval.
+  std::filesystem::path training() const { return logs() / "training.csv"; }
   std::filesystem::path tensorboard() const { return root / "tensorboard"; }
   std::filesystem::path episodes() const { return root / "episodes.csv"; }
   std::filesystem::path results() const { return root / "results.json"; }

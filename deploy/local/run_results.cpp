@@ -62,12 +62,12 @@ void RunResults::SetFinal(const EvaluatedAt& at, const EvaluationReport& report)
   json_["final"] = EvaluationJson(at, report);
 }
 
-void RunResults::Update(const std::string& state, double session_s, const ClusterSummary& summary,
+void RunResults::Update(const std::string& state, double session_s, const TrainedSoFar& trained,
                         const EpisodeLog& episodes) {
   json_["state"] = state;
   json_["training_s"] = earlier_s_ + session_s;
-  if (summary.updates > 0) json_["updates"] = static_cast<uint64_t>(summary.updates);
-  if (summary.weights_version > 0) json_["weights_version"] = static_cast<uint64_t>(summary.weights_version);
+  if (trained.updates > 0) json_["updates"] = trained.updates;
+  if (trained.weights_version > 0) json_["weights_version"] = trained.weights_version;
   json_["env_steps"] = episodes.env_steps();
   json_["training_episodes"] = episodes.episodes();
 }

@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/util/result.h"
 #include "deploy/local/episode_log.h"
-#include "deploy/monitor/cluster_view.h"
+#include "deploy/local/training_curve.h"
 #include "proto/evaluation/report.h"
 
 namespace dadrl {
@@ -33,7 +33,7 @@ class RunResults {
   void AddEvaluation(const EvaluatedAt& at, const EvaluationReport& report);
   void SetFinal(const EvaluatedAt& at, const EvaluationReport& report);
   // `state`: "running", "finished", "interrupted", "failed".
-  void Update(const std::string& state, double session_s, const ClusterSummary& summary,
+  void Update(const std::string& state, double session_s, const TrainedSoFar& trained,
               const EpisodeLog& episodes);
   // Atomic; blocks on the disk.
   Status Save() const;

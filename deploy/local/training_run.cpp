@@ -72,8 +72,9 @@ Result<RunOutcome> TrainingRun::Run() {
                                resume_ ? "resumed" : "new", paths_.root.string(), config_.replay.shards,
                                config_.actor.count));
   if (!dds::IsLoopback(config_.cluster.host)) {
-    display_.Message(fmt::format("other machines join with: dadrl actor --join {}:{}", config_.cluster.host,
-                                 config_.cluster.port));
+    display_.Message(fmt::format("other machines join with: dadrl actor --join {}:{}{}", config_.cluster.host,
+                                 config_.cluster.port,
+                                 config_.cluster.require_key ? " --key FILE, a copy of this run's key" : ""));
   }
   while (phase_ != Phase::kDone) {
     WaitForEvents();
@@ -243,9 +244,9 @@ void TrainingRun::EndRun(RunOutcome outcome) {
 }
 
 void TrainingRun::SaveResults(const char* state) {
-  const ClusterSummary summary = monitor_ ? monitor_->Summarize() : ClusterSummary{};
   UpdateEpisodes();
-  results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_, summary, *episodes_);
+  results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_,
+                  LastOfTraining(paths_.training()), *episodes_);
   const Status saved = results_.Save();
   if (!saved) display_.Message(saved.error().message);
 }

@@ -132,12 +132,14 @@ ClusterView ClusterView::ForInterval(double interval_s) {
 
 bool ClusterView::MakeRoom(TimePoint now) {
   if (processes_.size() < kMaxProcesses) return true;
+  if (now <= room_at_) return false;  // a flood does not make us look at all of them each time
+  std::erase_if(processes_, [&](const auto& entry) { return Stale(entry.second, now); });
+  if (processes_.size() < kMaxProcesses) return true;
   const auto oldest =
       std::min_element(processes_.begin(), processes_.end(),
-                       [](const auto& a, const auto& b) { return a.second.received < b.second.received; });
-  if (!Stale(oldest->second, now)) return false;
-  processes_.erase(oldest);
-  return true;
+                       [](const auto& x, const auto& y) { return x.second.received < y.second.received; });
+  room_at_ = oldest->second.received + stale_after_;
+  return false;
 }
 
 bool ClusterView::Add(const ProcessStatus& status, TimePoint received) {

@@ -119,7 +119,7 @@ class ClusterView {
   };
   using Key = std::pair<dds::Role, int>;
 
-  // Makes room for one process more where there is none: the one that was silent the longest goes.
+  // Makes room for one process more where there is none: those that are silent go.
   bool MakeRoom(TimePoint now);
 
   // Adds one process's part to the sums.
@@ -134,6 +134,7 @@ class ClusterView {
   Duration window_;
   Duration stale_after_;
   std::map<Key, Process> processes_;
+  TimePoint room_at_{};  // while there is no room: when the next one may count as silent
   std::deque<EpisodeReport> episodes_;
 };
 

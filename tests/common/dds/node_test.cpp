@@ -10,6 +10,7 @@
 #include "common/dds/udp_socket.h"
 #include "tests/common/dds/dds_fixture.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/common/network_namespace.h"
 
 namespace dadrl::dds {
 namespace {
@@ -128,6 +129,43 @@ TEST(Node, FindsOnlyThoseWithTheSameKey) {
   const auto writer = BlobWriter::Create(*friendly, kNewest).value();
   EXPECT_TRUE(Eventually([&] { return writer->matched() == 1 && reader->matched() == 1; }));
   for (const auto& other : others) EXPECT_EQ(other->matched(), 0);
+}
+
+// Cyclone's own way out waits for ever for a packet to the address that is gone.
+TEST(Node, NoticesThatItsAddressIsGoneAndEndsAllTheSame) {
+  if (!MayMakeNamespaces()) GTEST_SKIP() << "only root may make network namespaces";
+  const NetworkNamespace here('a');
+  const NetworkNamespace there('b');
+  Connect(here, "10.213.79.1", there, "10.213.79.2");
+  here.Run([&] {
+    ClusterConfig cluster = LoopbackCluster();
+    cluster.host = "10.213.79.2";
+    const auto actor = MakeNode(cluster, Role::kActor);
+    ASSERT_TRUE(actor);
+    EXPECT_TRUE(actor->CheckAddress());
+    Ip(fmt::format("-n {} addr del 10.213.79.1/24 dev {}", here.name(), here.device()));
+    EXPECT_TRUE(actor->CheckAddress()) << "there is no other yet";
+    Ip(fmt::format("-n {} addr add 10.213.79.7/24 dev {}", here.name(), here.device()));
+    const Status moved = actor->CheckAddress();
+    ASSERT_FALSE(moved);
+    EXPECT_THAT(moved.error().message, HasSubstr("was 10.213.79.1 and is 10.213.79.7 now"));
+  });
+}
+
+TEST(Node, AnActorWithoutANetworkWaitsForOne) {
+  if (!MayMakeNamespaces()) GTEST_SKIP() << "only root may make network namespaces";
+  const NetworkNamespace here('a');
+  const NetworkNamespace there('b');
+  here.Run([&] {
+    ClusterConfig cluster = LoopbackCluster();
+    cluster.host = "10.213.79.2";
+    EXPECT_EQ(Node::Create(cluster, 1, Role::kMonitor, 0).error().code, ErrorCode::kUnavailable);
+    const auto actor = MakeNode(cluster, Role::kActor);
+    ASSERT_TRUE(actor);
+    EXPECT_TRUE(actor->CheckAddress());
+    Connect(here, "10.213.79.1", there, "10.213.79.2");
+    EXPECT_FALSE(actor->CheckAddress());
+  });
 }
 
 TEST(Node, AsksForAKeyThatIsRequired) {

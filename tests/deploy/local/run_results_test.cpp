@@ -25,10 +25,7 @@ EvaluationReport Report(int successes, int collisions) {
 TEST(RunResults, AccumulateOverSessions) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "results.json";
-  ClusterSummary summary;
-  summary.updates = 100;
-  summary.env_steps = 5000;  // what telemetry says counts for nothing
-  summary.episodes = 50;
+  TrainedSoFar trained{.updates = 100, .weights_version = 6};
   auto episodes = EpisodeLog::Open(folder.path() / "episodes.csv", folder.path() / "logs");
   ASSERT_TRUE(episodes);
   const auto drive = [&](int steps) {
@@ -45,15 +42,15 @@ TEST(RunResults, AccumulateOverSessions) {
     RunResults results = RunResults::Load(file, Config{});
     results.AddEvaluation({.elapsed_s = 30, .env_steps = 2500, .updates = 50, .policy_version = 7},
                           Report(3, 1));
-    results.Update("interrupted", 60.0, summary, *episodes);
+    results.Update("interrupted", 60.0, trained, *episodes);
     ASSERT_TRUE(results.Save());
   }
   RunResults results = RunResults::Load(file, Config{});
   EXPECT_EQ(results.earlier_s(), 60.0);
   results.SetFinal({.elapsed_s = 80, .updates = 150, .policy_version = 9}, Report(4, 0));
-  summary.updates = 150;
+  trained.updates = 150;
   drive(400);
-  results.Update("finished", 20.0, summary, *episodes);
+  results.Update("finished", 20.0, trained, *episodes);
   ASSERT_TRUE(results.Save());
 
   const json saved = json::parse(FileText(file));

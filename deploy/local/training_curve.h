@@ -1,0 +1,17 @@
+// How far the learner is, from the table that it writes itself: telemetry can be forged, this cannot.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace dadrl {
+
+struct TrainedSoFar {
+  uint64_t updates = 0;  // over all sessions of the run
+  uint32_t weights_version = 0;
+};
+
+// The last row of logs/training.csv; zeros when there is none yet. Blocks on the disk.
+TrainedSoFar LastOfTraining(const std::filesystem::path& training_csv);
+
+}  // namespace dadrl
