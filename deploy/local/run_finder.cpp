@@ -11,6 +11,7 @@
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
 #include "common/util/log.h"
+#include "common/util/shown.h"
 #include "proto/topics.h"
 
 namespace dadrl {
@@ -50,7 +51,9 @@ Result<Config> Parse(const dadrl_idl_RunConfig& message) {
 Result<Config> TheOnly(std::map<int, Config> found, const std::string& host) {
   if (found.size() == 1) return std::move(found.begin()->second);
   std::string ports;
-  for (const auto& [port, config] : found) ports += fmt::format(" {}:{} ({})", host, port, config.scenario);
+  for (const auto& [port, config] : found) {
+    ports += fmt::format(" {}:{} ({})", host, port, Shown(config.scenario));
+  }
   return Fail(ErrorCode::kInvalidArgument, "{} clusters run at {}: choose one of{}", found.size(), host,
               ports);
 }

@@ -13,6 +13,7 @@
 #include "common/dds/node.h"
 #include "common/io/run_key.h"
 #include "common/util/clock.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -34,7 +35,9 @@ int Print(const std::map<uint32_t, Answer>& answers, bool json) {
     if (!json) fmt::print(answer.done ? stdout : stderr, "{}\n", answer.text);
   }
   if (json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"done", all_done}, {"shards", std::move(shards)}}.dump());
+    const nlohmann::ordered_json answer{{"done", all_done}, {"shards", std::move(shards)}};
+    // A shard that says something else than UTF-8 ends nobody.
+    fmt::print("{}\n", answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   }
   return all_done ? 0 : 1;
 }
@@ -69,7 +72,7 @@ Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_Repl
     answers->Wait(std::chrono::milliseconds(50));
     answers->Take(64, [&](const dadrl_idl_ReplayAnswer& answer) {
       if (answer.command != command.command || answer.shard >= shards) return;
-      heard[answer.shard] = {answer.done, answer.text};
+      heard[answer.shard] = {answer.done, Shown(answer.text, sizeof(answer.text))};
     });
   }
   if (heard.size() < shards) {
