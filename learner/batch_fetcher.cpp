@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "common/util/log.h"
+#include "common/util/shown.h"
 #include "proto/experience_bounds.h"
 
 namespace dadrl {
@@ -188,7 +189,7 @@ void BatchFetcher<Batch>::OnRefusal(const dadrl_idl_BatchReply& reply) {
   MutexLock lock(mutex_);
   status_ = Fail(ErrorCode::kInvalidArgument,
                  "replay {} refuses to serve this learner: {}; start both with the configuration of the run",
-                 reply.shard, reply.refusal);
+                 reply.shard, Shown(reply.refusal, sizeof(reply.refusal)));
   stopping_.store(true);
 }
 
@@ -200,9 +201,9 @@ Status BatchFetcher<Batch>::status() const {
 
 template <typename Batch>
 void BatchFetcher<Batch>::Decode(const dadrl_idl_BatchReply& reply) {
-  // Credits bound what is under way, so one is always free.
+  // Credits bound what is under way, so one is free.
   const std::optional<Slot*> free = free_.Pop(Duration::zero());
-  assert(free.has_value());
+  if (!free) return Count(stale_);
   Slot* slot = *free;
   const std::span<const std::byte> bytes = std::as_bytes(std::span(reply.bytes._buffer, reply.bytes._length));
   const Status decoded = BatchKind<Batch>::Decode(bytes, schema_, config_, codec_, slot->batch);

@@ -24,7 +24,8 @@ void BatchKind<TransitionBatch>::Describe(const Config& config, dadrl_idl_BatchR
 
 Status BatchKind<TransitionBatch>::Decode(std::span<const std::byte> bytes, uint64_t schema,
                                           const Config& config, FrameCodec& codec, TransitionBatch& batch) {
-  return DecodeSampleBatch(bytes, schema, config.algorithm.gamma, codec, batch);
+  return DecodeSampleBatch(bytes, schema, config.algorithm.gamma, ExperienceBounds::From(config), codec,
+                           batch);
 }
 
 Status BatchKind<SequenceBatch>::Check(const Config& config) {
@@ -46,8 +47,8 @@ void BatchKind<SequenceBatch>::Describe(const Config& config, dadrl_idl_BatchReq
 }
 
 Status BatchKind<SequenceBatch>::Decode(std::span<const std::byte> bytes, uint64_t schema,
-                                        const Config& /*config*/, FrameCodec& codec, SequenceBatch& batch) {
-  return DecodeSequenceBatch(bytes, schema, codec, batch);
+                                        const Config& config, FrameCodec& codec, SequenceBatch& batch) {
+  return DecodeSequenceBatch(bytes, schema, ExperienceBounds::From(config), codec, batch);
 }
 
 }  // namespace dadrl

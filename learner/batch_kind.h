@@ -25,7 +25,7 @@ struct BatchKind<TransitionBatch> {
   static TransitionBatch Make(const Config& config);
   // Says in `request` what is asked for.
   static void Describe(const Config& config, dadrl_idl_BatchRequest& request);
-  // kCorrupt: `bytes` are no such batch.
+  // kCorrupt: `bytes` are no such batch, or hold what the task of `config` cannot produce.
   static Status Decode(std::span<const std::byte> bytes, uint64_t schema, const Config& config,
                        FrameCodec& codec, TransitionBatch& batch);
 };

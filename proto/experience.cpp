@@ -9,6 +9,7 @@
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/util/prefetch.h"
+#include "proto/experience_bounds.h"
 
 namespace dadrl {
 namespace {
@@ -160,7 +161,8 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
   view.frames_ = header.frames;
   view.payload_bytes_ = header.payload_bytes;
   checking(ChunkFault::kContents);
-  if (header.sequence == 0 || header.first_frame > UINT32_MAX - kMaxChunkFrames) {
+  if (header.sequence == 0 || header.sequence > kMaxSequence ||
+      header.first_frame > UINT32_MAX - kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk with sequence {} and first frame {}", header.sequence,
                 header.first_frame);
   }
@@ -182,10 +184,14 @@ ChunkHeader ChunkView::header() const {
 
 Status ChunkView::CheckFrames() const {
   for (int i = 0; i < frames(); ++i) {
-    if (offset(i + 1) < offset(i)) return Fail(ErrorCode::kCorrupt, "chunk's offset {} goes back", i + 1);
+    // Rising offsets: no payload is empty, and none overlaps another.
+    if (offset(i + 1) <= offset(i)) return Fail(ErrorCode::kCorrupt, "chunk's frame {} has no payload", i);
     const Action a = action(i);
-    if (!std::isfinite(reward(i)) || !std::isfinite(a[0]) || !std::isfinite(a[1])) {
-      return Fail(ErrorCode::kCorrupt, "chunk's frame {} has an action or reward that is not finite", i);
+    if (!IsPossibleAction(a) || !std::isfinite(reward(i))) {
+      return Fail(ErrorCode::kCorrupt,
+                  "chunk's frame {} has action ({:g}, {:g}) and reward {:g}; actions are in [-1, 1], rewards "
+                  "finite",
+                  i, a[0], a[1], reward(i));
     }
     const uint8_t bits = flags(i);
     const bool last = i == frames() - 1;

@@ -30,6 +30,9 @@ constexpr int kMaxChunkFrames = 64;
 // Nothing longer is ever accepted from a socket or a file.
 constexpr size_t kMaxChunkBytes = size_t{4} << 20;
 constexpr size_t kChunkHeaderBytes = 56;
+// More than an incarnation can ever send: a million chunks a second for eight years. Numbers up to it never
+// wrap, whatever is added to them.
+constexpr uint64_t kMaxSequence = uint64_t{1} << 48;
 
 // Bits of a frame's flags.
 // A frame without an action is the final observation after a truncation: the last of its episode.
@@ -136,8 +139,9 @@ enum class ChunkFault : int {
 // A validated look into a chunk's bytes; borrows them.
 class ChunkView {
  public:
-  // Checks magic, version, lengths, offsets, flags and their order, finiteness of actions and rewards,
-  // checksum; not the payloads. Never reads outside `bytes`. kCorrupt with what was wrong, and `fault` set.
+  // Checks magic, version, lengths, offsets, flags and their order, the range of actions, finiteness of
+  // rewards, checksum; not the payloads, nor what the task allows (CheckRewards). Never reads outside
+  // `bytes`. kCorrupt with what was wrong, and `fault` set.
   static Result<ChunkView> Parse(std::span<const std::byte> bytes, ChunkFault* fault = nullptr);
 
   // Looks at `copy` from now on: the same bytes at another place. Nothing is checked again.

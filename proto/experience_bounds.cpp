@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "common/config/config_schema.h"
+#include "proto/experience.h"
+
 namespace dadrl {
 namespace {
 
@@ -33,13 +36,45 @@ ExperienceBounds ExperienceBounds::From(const Config& config) {
   return bounds;
 }
 
+ExperienceBounds ExperienceBounds::OfAnyTask() {
+  Config widest;
+  widest.algorithm.gamma = 1.0;
+  for (const ConfigField& field : SchemaOf(widest)) {
+    // Each field takes the upper end of its own range.
+    if (field.key.starts_with("task.")) static_cast<void>(AssignValue(field, fmt::format("{}", field.max)));
+  }
+  return From(widest);
+}
+
 bool IsPossibleAction(const Action& action) {
   return std::ranges::all_of(action, [](float value) { return std::abs(value) <= 1.0f; });
 }
 
 bool ArePossibleFeatures(std::span<const float> features) {
-  return std::ranges::all_of(features,
-                             [](float value) { return std::abs(value) <= ObservationSpec::kFeatureBound; });
+  // All of them are looked at, several at once: hardly ever is one impossible.
+  bool possible = true;
+  for (const float value : features) possible &= std::abs(value) <= ObservationSpec::kFeatureBound;
+  return possible;
+}
+
+Status DecodeWithinBounds(FrameCodec& codec, std::span<const std::byte> payload, std::span<float> vehicles,
+                          std::span<float> ego, std::span<uint8_t> context) {
+  DADRL_RETURN_IF_ERROR(codec.Decode(payload, vehicles, ego, context));
+  if (ArePossibleFeatures(vehicles) && ArePossibleFeatures(ego)) return {};
+  return Fail(ErrorCode::kCorrupt, "frame payload holds a feature beyond {:g}, to which sensing clamps",
+              ObservationSpec::kFeatureBound);
+}
+
+Status CheckRewards(const ChunkView& chunk, const ExperienceBounds& bounds) {
+  for (int frame = 0; frame < chunk.frames(); ++frame) {
+    if (bounds.AllowsReward(chunk.reward(frame))) continue;
+    const ChunkHeader header = chunk.header();
+    return Fail(ErrorCode::kCorrupt,
+                "actor {}, episode {}, frame {}: reward {:g} is beyond {:.4g}, the most this task gives",
+                header.identity.actor, header.episode, header.first_frame + static_cast<uint32_t>(frame),
+                chunk.reward(frame), bounds.reward);
+  }
+  return {};
 }
 
 }  // namespace dadrl

@@ -3,12 +3,18 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "common/config/config.h"
 #include "common/model/observation.h"
+#include "common/util/result.h"
 
 namespace dadrl {
+
+class ChunkView;
+class FrameCodec;
 
 // A lane's limit below it counts as this much in the reward, so that driving over a slow lane's limit costs a
 // bounded amount.
@@ -22,6 +28,8 @@ struct ExperienceBounds {
 
   // Of the tasks that these weights, speeds, intervals and discount make. Float rounding is allowed for.
   static ExperienceBounds From(const Config& config);
+  // Of all tasks that a configuration can make: for experience whose configuration is not at hand.
+  static ExperienceBounds OfAnyTask();
 
   // Not a NaN either.
   bool AllowsReward(float r) const { return std::abs(r) <= reward; }
@@ -32,5 +40,10 @@ struct ExperienceBounds {
 bool IsPossibleAction(const Action& action);
 // Vehicles or ego of an observation: finite and within what sensing clamps to.
 bool ArePossibleFeatures(std::span<const float> features);
+// FrameCodec::Decode, and kCorrupt as well when a number is beyond what sensing clamps to.
+Status DecodeWithinBounds(FrameCodec& codec, std::span<const std::byte> payload, std::span<float> vehicles,
+                          std::span<float> ego, std::span<uint8_t> context);
+// kCorrupt names the first frame with another reward, the reward and the bound.
+Status CheckRewards(const ChunkView& chunk, const ExperienceBounds& bounds);
 
 }  // namespace dadrl

@@ -56,6 +56,9 @@ WireEntry EntryOf(const SampledItem& item) {
           .next_bytes = static_cast<uint32_t>(item.next.size())};
 }
 
+// As SetImportance and the selectors of the replay make them.
+bool IsShare(float value) { return value >= 0.0f && value <= 1.0f; }
+
 Result<Entry> GetEntry(ByteReader& reader) {
   Entry entry;
   entry.key = reader.Get<uint64_t>();
@@ -68,8 +71,8 @@ Result<Entry> GetEntry(ByteReader& reader) {
   entry.terminated = terminated == 1;
   entry.first_bytes = reader.Get<uint32_t>();
   entry.next_bytes = reader.Get<uint32_t>();
-  const bool numbers = std::isfinite(probability) && std::isfinite(entry.importance_weight) &&
-                       std::isfinite(entry.action[0]) && std::isfinite(entry.action[1]);
+  const bool numbers =
+      IsShare(probability) && IsShare(entry.importance_weight) && IsPossibleAction(entry.action);
   if (!reader.ok() || !numbers || entry.steps < 1 || entry.steps > kMaxSliceSteps || terminated > 1 ||
       entry.terminated != (entry.next_bytes == 0)) {
     return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} of {} steps is malformed", entry.key,
@@ -88,7 +91,7 @@ Status DecodeRow(std::span<const std::byte> payload, FrameCodec& codec, size_t i
   const auto vehicles = row(batch.vehicles);
   const auto ego = row(batch.ego);
   const auto context = row(batch.context);
-  if (!payload.empty()) return codec.Decode(payload, vehicles, ego, context);
+  if (!payload.empty()) return DecodeWithinBounds(codec, payload, vehicles, ego, context);
   std::fill(vehicles.begin(), vehicles.end(), 0.0f);
   std::fill(ego.begin(), ego.end(), 0.0f);
   std::fill(context.begin(), context.end(), uint8_t{0});
@@ -127,13 +130,18 @@ Result<std::span<const std::byte>> CheckEnvelope(std::span<const std::byte> byte
 
 }  // namespace
 
-std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema,
-                                         std::vector<std::byte> memory) {
+size_t SampleBatchBytes(std::span<const SampledItem> items) {
   size_t total = kHeaderBytes + items.size() * kEntryBytes + kChecksumBytes;
   for (const SampledItem& item : items) {
     assert(!item.rewards.empty() && item.rewards.size() <= kMaxSliceSteps);
     total += item.rewards.size_bytes() + item.first.size() + item.next.size();
   }
+  return total;
+}
+
+std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema,
+                                         std::vector<std::byte> memory) {
+  const size_t total = SampleBatchBytes(items);
   std::vector<std::byte> bytes = std::move(memory);
   bytes.resize(total);
   // Not a ByteWriter: the length is known, and these are the replay's most copied bytes.
@@ -162,8 +170,8 @@ std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uin
   return bytes;
 }
 
-Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, double gamma, FrameCodec& codec,
-                         TransitionBatch& batch) {
+Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, double gamma,
+                         const ExperienceBounds& bounds, FrameCodec& codec, TransitionBatch& batch) {
   DADRL_ASSIGN_OR_RETURN(const auto body, CheckEnvelope(bytes, schema, batch.size));
   const auto count = static_cast<size_t>(batch.size);
   ByteReader entries(body);
@@ -180,13 +188,20 @@ Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, doub
     const Entry& item = items[i];
     double sum = 0.0;
     double factor = 1.0;
+    bool possible = true;
     for (int step = 0; step < item.steps; ++step, factor *= gamma) {
-      sum += factor * static_cast<double>(rewards.Get<float>());
+      const auto reward = rewards.Get<float>();
+      possible = possible && bounds.AllowsReward(reward);
+      sum += factor * static_cast<double>(reward);
     }
     const auto first = payloads.GetBytes(item.first_bytes);
     const auto next = payloads.GetBytes(item.next_bytes);
-    if (!payloads.ok() || !std::isfinite(static_cast<float>(sum)) || first.empty()) {
+    if (!payloads.ok() || first.empty()) {
       return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} does not fit into it", item.key);
+    }
+    if (!possible) {
+      return Fail(ErrorCode::kCorrupt, "sample batch: item {:#x} has a reward beyond {:.4g}", item.key,
+                  bounds.reward);
     }
     DADRL_RETURN_IF_ERROR(DecodeRow(first, codec, i, batch.observation));
     DADRL_RETURN_IF_ERROR(DecodeRow(next, codec, i, batch.next_observation));

@@ -16,6 +16,7 @@
 #include "common/model/transition_batch.h"
 #include "common/util/result.h"
 #include "proto/experience.h"
+#include "proto/experience_bounds.h"
 
 namespace dadrl {
 
@@ -35,15 +36,19 @@ struct SampledItem {
 // Longest slice, as algorithm.n_step allows.
 constexpr int kMaxSliceSteps = 32;
 
+// What EncodeSampleBatch makes of them.
+size_t SampleBatchBytes(std::span<const SampledItem> items);
+
 // Serialises `items`; lengths and an xxh3-64 checksum included. Each item has 1 to kMaxSliceSteps rewards.
 // `memory` of an earlier batch is used again.
 std::vector<std::byte> EncodeSampleBatch(std::span<const SampledItem> items, uint64_t schema,
                                          std::vector<std::byte> memory = {});
 
 // Parses and decodes into `batch` (its size must match): rewards summed with gamma, discounts gamma^k or 0.
-// kCorrupt on anything that does not fit (`batch` is then unspecified); never reads outside `bytes`. `codec`
-// must be of `schema`'s spec. Takes 5 to 10 us a frame: do it off the training thread.
-Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, double gamma, FrameCodec& codec,
-                         TransitionBatch& batch);
+// kCorrupt on anything that does not fit, and on numbers beyond `bounds` (`batch` is then unspecified); never
+// reads outside `bytes`. `codec` must be of `schema`'s spec. Takes 5 to 10 us a frame: do it off the training
+// thread.
+Status DecodeSampleBatch(std::span<const std::byte> bytes, uint64_t schema, double gamma,
+                         const ExperienceBounds& bounds, FrameCodec& codec, TransitionBatch& batch);
 
 }  // namespace dadrl

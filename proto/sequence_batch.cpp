@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
@@ -12,6 +11,9 @@ namespace {
 
 constexpr uint32_t kSequenceMagic = 0x51584441;  // "ADXQ"
 constexpr uint32_t kSequenceVersion = 1;
+constexpr size_t kHeaderBytes = 24;
+constexpr size_t kEntryBytes = 20;
+constexpr size_t kStepBytes = 8 + sizeof(Action);
 constexpr size_t kChecksumBytes = 8;
 constexpr uint16_t kEndsTerminated = 1;
 constexpr uint16_t kEndsTruncated = 2;
@@ -49,33 +51,37 @@ Result<Entry> GetEntry(ByteReader& reader, size_t index, SequenceBatch& batch) {
   Entry entry;
   batch.key[index] = reader.Get<uint64_t>();
   const auto probability = reader.Get<float>();
-  batch.weight[index] = reader.Get<float>();
+  const auto weight = reader.Get<float>();
   entry.steps = reader.Get<uint16_t>();
   entry.ends = reader.Get<uint16_t>();
   const bool fits = entry.steps >= 1 && entry.steps <= batch.length && entry.ends <= kEndsTruncated &&
                     (entry.steps == batch.length || entry.ends != 0);
-  if (!reader.ok() || !fits || !std::isfinite(probability) || !std::isfinite(batch.weight[index])) {
+  const bool shares = probability >= 0.0f && probability <= 1.0f && weight >= 0.0f && weight <= 1.0f;
+  if (!reader.ok() || !fits || !shares) {
     return Fail(ErrorCode::kCorrupt, "sequence batch: sequence {:#x} of {} steps is malformed",
                 batch.key[index], entry.steps);
   }
+  batch.weight[index] = weight;
   batch.steps[index] = entry.steps;
   batch.terminated[index] = entry.ends == kEndsTerminated;
   batch.truncated[index] = entry.ends == kEndsTruncated;
   return entry;
 }
 
-// False when a number is not finite or is missing.
-bool GetSteps(ByteReader& reader, size_t index, int steps, SequenceBatch& batch) {
+// False when a number is missing or impossible.
+bool GetSteps(ByteReader& reader, size_t index, int steps, const ExperienceBounds& bounds,
+              SequenceBatch& batch) {
   const auto first = index * static_cast<size_t>(batch.length);
-  bool finite = true;
+  bool possible = true;
   for (size_t at = first; at < first + static_cast<size_t>(steps); ++at) {
     batch.policy_version[at] = reader.Get<uint32_t>();
-    for (size_t a = 0; a < kActionSize; ++a) batch.action[at * kActionSize + a] = reader.Get<float>();
+    Action action{};
+    for (float& a : action) a = reader.Get<float>();
+    std::ranges::copy(action, &batch.action[at * kActionSize]);
     batch.reward[at] = reader.Get<float>();
-    finite = finite && std::isfinite(batch.reward[at]) && std::isfinite(batch.action[at * kActionSize]) &&
-             std::isfinite(batch.action[at * kActionSize + 1]);
+    possible = possible && IsPossibleAction(action) && bounds.AllowsReward(batch.reward[at]);
   }
-  return finite && reader.ok();
+  return possible && reader.ok();
 }
 
 void Clear(SequenceBatch& batch) {
@@ -91,14 +97,24 @@ Status DecodeRow(std::span<const std::byte> payload, FrameCodec& codec, size_t r
     const size_t length = values.size() / static_cast<size_t>(batch.size);
     return std::span(values).subspan(row * length, length);
   };
-  return codec.Decode(payload, part(batch.vehicles), part(batch.ego), part(batch.context));
+  return DecodeWithinBounds(codec, payload, part(batch.vehicles), part(batch.ego), part(batch.context));
 }
 
 }  // namespace
 
+size_t SequenceBatchBytes(std::span<const SampledSequence> sequences) {
+  size_t total = kHeaderBytes + sequences.size() * kEntryBytes + kChecksumBytes;
+  for (const SampledSequence& sequence : sequences) {
+    total += sequence.steps.size() * kStepBytes;
+    for (const auto& frame : sequence.frames) total += sizeof(uint32_t) + frame.size();
+  }
+  return total;
+}
+
 std::vector<std::byte> EncodeSequenceBatch(std::span<const SampledSequence> sequences, int length,
                                            uint64_t schema) {
   std::vector<std::byte> bytes;
+  bytes.reserve(SequenceBatchBytes(sequences));
   ByteWriter writer(bytes);
   writer.Put(kSequenceMagic);
   writer.Put(kSequenceVersion);
@@ -131,8 +147,8 @@ std::vector<std::byte> EncodeSequenceBatch(std::span<const SampledSequence> sequ
   return bytes;
 }
 
-Status DecodeSequenceBatch(std::span<const std::byte> bytes, uint64_t schema, FrameCodec& codec,
-                           SequenceBatch& batch) {
+Status DecodeSequenceBatch(std::span<const std::byte> bytes, uint64_t schema, const ExperienceBounds& bounds,
+                           FrameCodec& codec, SequenceBatch& batch) {
   DADRL_ASSIGN_OR_RETURN(ByteReader reader, CheckEnvelope(bytes, schema, batch));
   Clear(batch);
   std::vector<Entry> entries(static_cast<size_t>(batch.size));
@@ -142,8 +158,11 @@ Status DecodeSequenceBatch(std::span<const std::byte> bytes, uint64_t schema, Fr
     frames += static_cast<uint64_t>(entries[i].frames());
   }
   for (size_t i = 0; i < entries.size(); ++i) {
-    if (GetSteps(reader, i, entries[i].steps, batch)) continue;
-    return Fail(ErrorCode::kCorrupt, "sequence batch: sequence {:#x} does not fit into it", batch.key[i]);
+    if (GetSteps(reader, i, entries[i].steps, bounds, batch)) continue;
+    return Fail(ErrorCode::kCorrupt,
+                "sequence batch: sequence {:#x} does not fit into it, or has an action outside [-1, 1] or a "
+                "reward beyond {:.4g}",
+                batch.key[i], bounds.reward);
   }
   ByteReader lengths(reader.GetBytes(frames * sizeof(uint32_t)));
   for (size_t i = 0; i < entries.size(); ++i) {

@@ -14,6 +14,7 @@
 #include "common/model/sequence_batch.h"
 #include "common/util/result.h"
 #include "proto/experience.h"
+#include "proto/experience_bounds.h"
 
 namespace dadrl {
 
@@ -37,13 +38,16 @@ struct SampledSequence {
   std::vector<std::span<const std::byte>> frames;  // payloads: as many as steps, and the one behind them
 };
 
+// What EncodeSequenceBatch makes of them.
+size_t SequenceBatchBytes(std::span<const SampledSequence> sequences);
+
 // Serialises `sequences` of at most `length` steps.
 std::vector<std::byte> EncodeSequenceBatch(std::span<const SampledSequence> sequences, int length,
                                            uint64_t schema);
 
 // Parses and decodes into `batch`, whose size and length must match. Errors, bounds and threads as
 // DecodeSampleBatch.
-Status DecodeSequenceBatch(std::span<const std::byte> bytes, uint64_t schema, FrameCodec& codec,
-                           SequenceBatch& batch);
+Status DecodeSequenceBatch(std::span<const std::byte> bytes, uint64_t schema, const ExperienceBounds& bounds,
+                           FrameCodec& codec, SequenceBatch& batch);
 
 }  // namespace dadrl

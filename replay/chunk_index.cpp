@@ -13,7 +13,6 @@
 namespace dadrl {
 namespace {
 
-constexpr uint32_t kMaxTimesSampled = (1u << 24) - 1;
 // A key is segment id, chunk within it, frame within that: unique for ever, found without a map.
 constexpr int kFrameBits = 6;
 constexpr int kChunkBits = 26;
@@ -175,7 +174,9 @@ DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
   for (size_t i = 0; i < count; ++i) {
     Item& item = items_[draws[i].slot];
     if (options_.max_times_sampled == 0 && item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
-    drawn.items[i].probability = static_cast<float>(draws[i].probability);
+    // Never 0, which nothing that was drawn has: importance divides by it.
+    drawn.items[i].probability =
+        std::max(static_cast<float>(draws[i].probability), std::numeric_limits<float>::min());
     drawn.items[i].frame = item.frame;
     drawn.items[i].key = KeyOf(*item.chunk, item.frame);
     AddChunks(*item.chunk, n_step, drawn.items[i], drawn);

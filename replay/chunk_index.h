@@ -73,6 +73,7 @@ class ChunkIndex {
   size_t memory_bytes() const;
 
  private:
+  static constexpr uint32_t kMaxTimesSampled = (1u << 24) - 1;  // as an Item holds it
   struct StoredChunk;
   struct StoredSegment;
   struct Item {

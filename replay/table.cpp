@@ -103,12 +103,17 @@ Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> by
                        "too many",
                        identity.actor, identity.incarnation)});
   }
-  if (const Status sound = options_.verify ? options_.verify(*chunk) : Status(); !sound) {
+  if (const Status sound = CheckContents(*chunk); !sound) {
     sequences_.Accept(identity);
     return Refuse(ChunkFault::kContents, sound.error());
   }
   DADRL_RETURN_IF_ERROR(Store(*chunk));
   return Insertion::kStored;
+}
+
+Status ReplayTable::CheckContents(const ChunkView& chunk) const {
+  DADRL_RETURN_IF_ERROR(CheckRewards(chunk, options_.bounds));
+  return options_.verify ? options_.verify(chunk) : Status();
 }
 
 Status ReplayTable::Store(ChunkView chunk) {
@@ -212,6 +217,10 @@ Result<SampledSequences> ReplayTable::SampleSequences(size_t count, int length, 
 }
 
 Status ReplayTable::CheckWanted(const Wanted& wanted) const {
+  if (wanted.count < 1 || wanted.sequence_length < 0) {
+    return Fail(ErrorCode::kInvalidArgument, "asked for {} sequences of {} decisions", wanted.count,
+                wanted.sequence_length);
+  }
   if (wanted.sequence_length > sequence_length()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "asked for sequences of {} decisions, this replay was started with replay.sequence_length {}",
@@ -244,7 +253,12 @@ Result<DrawnItems> ReplayTable::Draw(const Wanted& wanted) {
 void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities) {
   MutexLock lock(mutex_);
   for (size_t i = 0; i < std::min(keys.size(), priorities.size()); ++i) {
-    index_.UpdatePriority(keys[i], static_cast<double>(priorities[i]));
+    if (options_.bounds.AllowsPriority(priorities[i])) {
+      index_.UpdatePriority(keys[i], static_cast<double>(priorities[i]));
+    } else if (counters_.refused_priorities++ == 0) {
+      spdlog::warn("refused the priority {:g} of item {:#x} (more are counted): they are from 0 to {:.4g}",
+                   priorities[i], keys[i], options_.bounds.priority);
+    }
   }
 }
 

@@ -26,6 +26,7 @@
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 #include "proto/experience.h"
+#include "proto/experience_bounds.h"
 #include "replay/chunk_index.h"
 #include "replay/rate_limiter.h"
 #include "replay/sequence_table.h"
@@ -42,6 +43,8 @@ struct TableOptions {
   ReplayConfig replay;
   int n_step = 1;     // of the longest slices that will be asked for
   uint64_t seed = 1;  // of the draws
+  // Of rewards and priorities: what is beyond them is refused, and dropped when it is found on disk.
+  ExperienceBounds bounds = ExperienceBounds::From(Config{});
   // Looks at each new chunk's payloads before it is stored; null: they are trusted. A chunk that fails is
   // dropped, and its actor need not keep it: the episode breaks off there.
   std::function<Status(const ChunkView&)> verify = nullptr;
@@ -67,9 +70,10 @@ class ReplayTable {
     std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
     uint64_t early_chunks = 0;  // dropped because one before them is still to come
     uint64_t lost_chunks = 0;   // skipped: their actors no longer have them
-    uint64_t sampled = 0;       // transitions, since the run began
-    uint64_t frames_held = 0;   // with an action
-    uint64_t items = 0;         // of them, those that can be sampled
+    uint64_t refused_priorities = 0;
+    uint64_t sampled = 0;      // transitions, since the run began
+    uint64_t frames_held = 0;  // with an action
+    uint64_t items = 0;        // of them, those that can be sampled
     uint64_t chunks_held = 0;
     uint64_t index_bytes = 0;
     uint64_t disk_bytes = 0;
@@ -123,6 +127,7 @@ class ReplayTable {
   Result<SampledBatch> Sample(size_t count, int n_step, uint32_t policy_version);
   // Draws and reads sequences of up to `length` decisions (at most replay.sequence_length).
   Result<SampledSequences> SampleSequences(size_t count, int length, uint32_t policy_version);
+  // Priorities that are no numbers, negative or beyond the bound are refused: counted, the first is logged.
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
 
   // Whether actors may send more.
@@ -163,6 +168,7 @@ class ReplayTable {
   // The items, or 0 while they do not suffice for a batch of `count`: each serves max_times_sampled times.
   int64_t Drawable(size_t count) const DADRL_REQUIRES(mutex_);
   Insertion Refuse(ChunkFault fault, const Error& reason) DADRL_EXCLUDES(mutex_);
+  Status CheckContents(const ChunkView& chunk) const;
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status RollSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);

@@ -14,9 +14,8 @@
 
 namespace dadrl {
 
-// TakeNewer belongs to one thread; the counters may be read by any. Refused: version 0, another layout hash
-// or length than ours (a learner with another configuration), a checksum that does not fit. They are counted,
-// the first of a kind is logged, and the policy in use stays.
+// TakeNewer belongs to one thread; the counters may be read by any. What CheckWeights refuses is counted, the
+// first of it is logged, and the policy in use stays.
 class WeightsSubscriber final : public PolicySource {
  public:
   // `parameter_count`, `layout_hash`: of the ActingPolicy that will load them. Borrows `node`.
@@ -34,7 +33,6 @@ class WeightsSubscriber final : public PolicySource {
  private:
   WeightsSubscriber(size_t parameter_count, uint64_t layout_hash)
       : parameter_count_(parameter_count), layout_hash_(layout_hash) {}
-  Status Check(const dadrl_idl_Weights& weights);
 
   const size_t parameter_count_;
   const uint64_t layout_hash_;

@@ -54,6 +54,7 @@ void TableSink::Flush() {
 
 TableBatchSource::TableBatchSource(const Config& config, ReplayTable& table)
     : algorithm_(config.algorithm),
+      bounds_(ExperienceBounds::From(config)),
       table_(table),
       codec_(ObservationSpec::From(config.observation), config.actor.floats),
       batch_(ObservationSpec::From(config.observation), config.algorithm.batch_size) {}
@@ -70,7 +71,7 @@ Status TableBatchSource::Fill() {
   DADRL_ASSIGN_OR_RETURN(const SampledBatch sampled,
                          table_.Sample(static_cast<size_t>(algorithm_.batch_size), algorithm_.n_step, 0));
   const std::vector<std::byte> bytes = EncodeSampleBatch(sampled.items, table_.schema());
-  return DecodeSampleBatch(bytes, table_.schema(), algorithm_.gamma, codec_, batch_);
+  return DecodeSampleBatch(bytes, table_.schema(), algorithm_.gamma, bounds_, codec_, batch_);
 }
 
 void TableBatchSource::Release(TransitionBatch*) {}

@@ -58,6 +58,7 @@ class TableBatchSource final : public BatchSource<TransitionBatch> {
   Status Fill();
 
   const AlgorithmConfig algorithm_;
+  const ExperienceBounds bounds_;
   ReplayTable& table_;
   FrameCodec codec_;
   TransitionBatch batch_;

@@ -47,6 +47,7 @@ TableOptions InMemoryTable(const Config& config) {
           .replay = config.replay,
           .n_step = config.algorithm.n_step,
           .seed = DeriveSeed(config.seed, kReplaySeedIndex),
+          .bounds = ExperienceBounds::From(config),
           .verify = nullptr};
 }
 

@@ -18,6 +18,15 @@ namespace {
 constexpr Duration kWait = std::chrono::milliseconds(10);
 constexpr auto kMaxReplyBytes = static_cast<size_t>(kMaxBatchBytes);
 
+// Before the memory for it is taken.
+Status CheckSendable(const ReplayTable::Wanted& wanted, size_t bytes) {
+  if (bytes <= kMaxReplyBytes) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "a batch of {} takes {} bytes, at most {} can be sent; lower algorithm.batch_size or "
+              "replay.sequence_length",
+              wanted.count, bytes, kMaxReplyBytes);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<BatchServer>> BatchServer::Create(const dds::Node& node, uint32_t shard,
@@ -145,6 +154,12 @@ Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
                 "sequences of {} decisions; this replay was started with replay.sequence_length {}",
                 message.sequence_length, longest);
   }
+  const uint64_t steps = uint64_t{message.batch_size} * message.sequence_length;
+  if (steps > kMaxBatchSteps) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "a batch of {} sequences of {} decisions; at most {} decisions fit into one",
+                message.batch_size, message.sequence_length, kMaxBatchSteps);
+  }
   if (message.sequence_length == 0 &&
       (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -195,20 +210,20 @@ std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> mem
     if (wanted.sequence_length > 0) {
       DADRL_ASSIGN_OR_RETURN(const SampledSequences batch,
                              AssembleSequences(std::move(drawn.items), wanted.sequence_length));
+      DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SequenceBatchBytes(batch.sequences)));
       return EncodeSequenceBatch(batch.sequences, wanted.sequence_length, table_.schema());
     }
     DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, AssembleBatch(std::move(drawn.items), wanted.n_step));
+    DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SampleBatchBytes(batch.items)));
     return EncodeSampleBatch(batch.items, table_.schema(), std::move(memory));
   };
   Result<std::vector<std::byte>> bytes = encode();
-  if (!bytes) {
+  if (bytes) return std::move(*bytes);
+  if (bytes.error().code == ErrorCode::kInvalidArgument) {
+    Refuse(drawn.request, bytes.error().message);
+  } else {
     spdlog::error("{}", bytes.error().message);
-    return {};
   }
-  if (bytes->size() <= kMaxReplyBytes) return std::move(*bytes);
-  Refuse(drawn.request, fmt::format("a batch of {} takes {} bytes, at most {} can be sent; lower "
-                                    "algorithm.batch_size or replay.sequence_length",
-                                    wanted.count, bytes->size(), kMaxReplyBytes));
   return {};
 }
 

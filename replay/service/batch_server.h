@@ -32,6 +32,7 @@ class BatchServer {
   static constexpr size_t kMaxPending = 64;
   static constexpr size_t kFewPending = 8;  // then it looks for more
   static constexpr uint32_t kMaxBatch = 65536;
+  static constexpr uint64_t kMaxBatchSteps = uint64_t{1} << 21;  // of all its sequences
 
   struct Statistics {
     uint64_t batches = 0;

@@ -1,10 +1,10 @@
 #include "replay/service/keeper.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/util/log.h"
+#include "replay/service/limit_command.h"
 #include "replay/storage/snapshot_folder.h"
 
 namespace dadrl {
@@ -95,22 +95,10 @@ Result<std::string> Keeper::Obey(const dadrl_idl_ReplayCommand& command) {
   return Fail(ErrorCode::kInvalidArgument, "shard {} does not know command {}", shard_, command.kind);
 }
 
-// A negative or undefined value leaves the bound as it is.
 Result<std::string> Keeper::ChangeLimit(const dadrl_idl_ReplayCommand& command) {
-  RateLimiter::Options options = table_.limiter_options();
-  const auto set = [](double wanted, double& value) {
-    if (std::isfinite(wanted) && wanted >= 0.0) value = wanted;
-  };
-  if (command.min_size >= 1) options.min_size = command.min_size;
-  set(command.samples_per_insert, options.max_samples_per_insert);
-  set(command.min_samples_per_insert, options.min_samples_per_insert);
-  if (command.band_frames >= 1.0) set(command.band_frames, options.band);
-  if (options.max_samples_per_insert > 0.0 &&
-      options.min_samples_per_insert > options.max_samples_per_insert) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "shard {}: at least {} and at most {} samples per insert: both sides would wait", shard_,
-                options.min_samples_per_insert, options.max_samples_per_insert);
-  }
+  Result<RateLimiter::Options> changed = ChangedLimits(table_.limiter_options(), command);
+  if (!changed) return Fail(ErrorCode::kInvalidArgument, "shard {}: {}", shard_, changed.error().message);
+  const RateLimiter::Options& options = *changed;
   table_.Reconfigure(options);
   on_limit_();
   DADRL_RETURN_IF_ERROR(table_.SaveState());

@@ -25,6 +25,7 @@ TableOptions OptionsOf(const ReplayService::Options& options) {
                      .replay = options.config.replay,
                      .n_step = options.config.algorithm.n_step,
                      .seed = DeriveSeed(options.config.seed, 1000 + options.shard),
+                     .bounds = ExperienceBounds::From(options.config),
                      .verify = nullptr};
   if (options.config.replay.verify_frames != VerifyFrames::kNone) {
     // Shared only because a std::function must be copyable.

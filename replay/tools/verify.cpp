@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/config/config_yaml.h"
+#include "proto/experience_bounds.h"
 #include "replay/service/chunk_verifier.h"
 #include "replay/storage/state_file.h"
 #include "replay/tools/shard_reader.h"
@@ -29,9 +31,22 @@ struct Findings {
   }
 };
 
-void CheckState(const std::filesystem::path& shard, Findings& findings) {
+// Of the run that `shard`, or a snapshot of it, belongs to; of any task where that is not at hand.
+ExperienceBounds BoundsOf(const std::filesystem::path& shard) {
+  constexpr int kLevels = 3;  // RUN/snapshots/shard-K/NAME
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::canonical(shard, error);
+  for (int level = 0; level < kLevels && !error; ++level) {
+    folder = folder.parent_path();
+    Config config;
+    if (LoadYaml(folder / "config.yaml", config)) return ExperienceBounds::From(config);
+  }
+  return ExperienceBounds::OfAnyTask();
+}
+
+void CheckState(const ShardReader& reader, const std::filesystem::path& shard, Findings& findings) {
   const auto file = shard / "state";
-  const Result<ReplayState> state = ReadReplayState(file);
+  const Result<ReplayState> state = ReadReplayState(file, MaxStateBytes(reader.BytesOf(shard)));
   if (state || state.error().code == ErrorCode::kNotFound) return;
   findings.Add({.file = file, .what = state.error().message});
 }
@@ -63,10 +78,13 @@ void PrintText(const ShardReader& reader, const Findings& findings) {
 Result<int> Verify(const Options& options) {
   DADRL_ASSIGN_OR_RETURN(const ShardReader reader, ShardReader::Open(options.directory));
   ChunkVerifier verifier(reader.spec(), /*all=*/true, /*seed=*/0);
+  const ExperienceBounds bounds = BoundsOf(reader.shards().front());
   Findings findings;
   reader.ForEachChunk(
       [&](const std::filesystem::path& file, uint64_t offset, const ChunkView& chunk) {
-        if (const Status sound = verifier.Check(chunk); !sound) {
+        Status sound = CheckRewards(chunk, bounds);
+        if (sound) sound = verifier.Check(chunk);
+        if (!sound) {
           findings.Add({file, offset, chunk.bytes().size(), sound.error().message});
           return true;
         }
@@ -75,7 +93,7 @@ Result<int> Verify(const Options& options) {
         return true;
       },
       [&](const Damage& damage) { findings.Add(damage); });
-  for (const std::filesystem::path& shard : reader.shards()) CheckState(shard, findings);
+  for (const std::filesystem::path& shard : reader.shards()) CheckState(reader, shard, findings);
   if (options.json) {
     PrintJson(reader, findings);
   } else {
@@ -89,7 +107,9 @@ Result<int> Verify(const Options& options) {
 Tool MakeVerifyTool(CLI::App& replay) {
   auto options = std::make_shared<Options>();
   CLI::App* app = replay.add_subcommand(
-      "verify", "Check every checksum and decode every frame; exit code 1 and file and offset of any damage");
+      "verify",
+      "Check every checksum, decode every frame, hold its numbers against what the run's task can give; exit "
+      "code 1 and file and offset of any damage");
   app->add_option("DIR", options->directory, "Run directory, its replay folder, one shard, or a snapshot")
       ->required();
   app->add_flag("--json", options->json, "One JSON object on standard output");

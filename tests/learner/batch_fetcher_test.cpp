@@ -133,7 +133,8 @@ TEST_F(BatchFetcherTest, DropsGarbageAndAsksForAnotherBatch) {
   const std::vector<std::byte> other_kind = EncodeSequenceBatch({}, 5, SchemaHash(ObservationSpec{}));
   uint64_t dropped = 0;
   for (const std::vector<std::byte>& bytes :
-       {garbage, damaged, cut, maker_.Make(kBatchSize + 1, 1), other_kind, std::vector<std::byte>(1)}) {
+       {garbage, damaged, cut, maker_.Make(kBatchSize + 1, 1), other_kind, std::vector<std::byte>(1),
+        maker_.Make(kBatchSize, 1, 1, {1.0f, 1e30f}), maker_.Make(kBatchSize, 1, 1, {-3e38f, 0.0f})}) {
     shard->Reply(kIncarnation, shard->AwaitRequests(1)[0].request, bytes);
     ++dropped;
     ASSERT_TRUE(Eventually([&] { return fetcher_->stats().corrupt == dropped; }));

@@ -25,8 +25,8 @@ class BatchMaker {
     FrameCodec codec(spec, FloatCoding::kFloat32);
     codec.Encode(SyntheticObservation(spec, random), frame_);
   }
-  std::vector<std::byte> Make(int size, uint64_t first_key, uint32_t policy_version = 1) const {
-    const std::vector<float> rewards = {1.0f, 0.5f};
+  std::vector<std::byte> Make(int size, uint64_t first_key, uint32_t policy_version = 1,
+                              const std::vector<float>& rewards = {1.0f, 0.5f}) const {
     std::vector<SampledItem> items;
     for (int i = 0; i < size; ++i) {
       items.push_back({.key = first_key + static_cast<uint64_t>(i),

@@ -100,7 +100,7 @@ class SequencesOverDdsTest : public testing::Test {
   // Compares sequence `i` with what was driven, frame by frame. Returns its first reward.
   float Check(const SequenceBatch& batch, size_t i) const {
     const float first = batch.reward[i * kLength];
-    const auto value = static_cast<uint64_t>(first);
+    const auto value = static_cast<uint64_t>(first / kTestScale);
     const auto actor = static_cast<uint32_t>(value / 10000);
     const uint64_t number = value % 10000 / 100;
     const auto start = static_cast<uint32_t>(value % 100);
@@ -159,19 +159,19 @@ TEST_F(SequencesOverDdsTest, GoOnWhenAShardIsKilledAndComesBack) {
   Launch();
   const auto fetcher = Fetcher(config_);
   for (int shard = 0; shard < kShards; ++shard) Drive(shard, 20);
-  const auto from = [&](float least) {
+  const auto from = [&](uint32_t actor) {
     SequenceBatch* batch = fetcher->Take(kPatience);
     if (batch == nullptr) return false;
     const float first = Check(*batch, 0);
     fetcher->Release(batch);
-    return first >= least && first < least + 10000.0f;
+    return first >= TestReward(actor, 0, 0) && first < TestReward(actor + 1, 0, 0);
   };
-  EXPECT_TRUE(Eventually([&] { return from(20000.0f); }));
+  EXPECT_TRUE(Eventually([&] { return from(2); }));
   replays_[1]->Kill();
-  for (int i = 0; i < 10; ++i) from(0.0f);  // those that were under way
-  for (int i = 0; i < 50; ++i) EXPECT_TRUE(from(10000.0f));
+  for (int i = 0; i < 10; ++i) from(0);  // those that were under way
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(from(1));
   replays_[1]->Start();
-  EXPECT_TRUE(Eventually([&] { return from(20000.0f); })) << replays_[1]->Log();
+  EXPECT_TRUE(Eventually([&] { return from(2); })) << replays_[1]->Log();
 }
 
 TEST_F(SequencesOverDdsTest, AReplayWithoutThemRefusesTheLearnerWithTheReason) {

@@ -48,7 +48,7 @@ class ShardsTest : public testing::Test {
     for (int i = 0; i < count; ++i) {
       TransitionBatch* batch = fetcher_->Take(kPatience);
       if (batch == nullptr) break;
-      ++from[batch->reward[0] < 20000.0f ? 0 : 1];
+      ++from[batch->reward[0] < TestReward(2, 0, 0) ? 0 : 1];
       fetcher_->Release(batch);
     }
     return from;

@@ -129,10 +129,15 @@ TEST(Chunk, WellSummedNonsenseIsRefusedWithItsReason) {
   EXPECT_THAT(ErrorOf(Forged(good, kFrames, uint32_t{65})), HasSubstr("65 frames"));
   EXPECT_THAT(ErrorOf(Forged(good, kFrames, uint32_t{1})), HasSubstr("its header says"));
   EXPECT_THAT(ErrorOf(Forged(good, kSequence, uint64_t{0})), HasSubstr("sequence 0"));
-  EXPECT_THAT(ErrorOf(Forged(good, kActions, NAN)), HasSubstr("not finite"));
-  EXPECT_THAT(ErrorOf(Forged(good, kRewards + 4, INFINITY)), HasSubstr("not finite"));
+  EXPECT_THAT(ErrorOf(Forged(good, kSequence, kMaxSequence + 1)), HasSubstr("sequence 281474976710657"));
+  EXPECT_THAT(ErrorOf(Forged(good, kSequence, ~uint64_t{0})), HasSubstr("sequence"));
+  EXPECT_EQ(ErrorOf(Forged(good, kSequence, kMaxSequence)), "");
+  EXPECT_THAT(ErrorOf(Forged(good, kActions, NAN)), HasSubstr("action (nan"));
+  EXPECT_THAT(ErrorOf(Forged(good, kActions + 12, -1.5f)), HasSubstr("actions are in [-1, 1]"));
+  EXPECT_THAT(ErrorOf(Forged(good, kRewards + 4, INFINITY)), HasSubstr("reward inf"));
   EXPECT_THAT(ErrorOf(Forged(good, kOffsets, uint32_t{1})), HasSubstr("offsets"));
-  EXPECT_THAT(ErrorOf(Forged(good, kOffsets + 4, uint32_t{0xfffffff0})), HasSubstr("goes back"));
+  EXPECT_THAT(ErrorOf(Forged(good, kOffsets + 4, uint32_t{0xfffffff0})), HasSubstr("no payload"));
+  EXPECT_THAT(ErrorOf(Forged(good, kOffsets + 4, uint32_t{0})), HasSubstr("frame 0 has no payload"));
 }
 
 TEST(Chunk, FlagsThatNoEpisodeHasAreRefused) {

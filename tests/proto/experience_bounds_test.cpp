@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "proto/experience.h"
+
 namespace dadrl {
 namespace {
 
@@ -30,6 +32,37 @@ TEST(ExperienceBounds, FollowTheWeightsWhateverTheirSign) {
   config.task.decision_interval = 2;
   config.task.max_speed_mps = 20;
   EXPECT_NEAR(ExperienceBounds::From(config).reward, 50 + 7 + 2 * (2 * 20 + 2) + 4, 1e-2);
+}
+
+TEST(ExperienceBounds, OfAnyTaskAllowWhatAnyConfigurationCanGiveAndLittleMore) {
+  const ExperienceBounds any = ExperienceBounds::OfAnyTask();
+  EXPECT_GT(any.reward, 100 + 100 + 100 + 20 * (100 * 40 + 2 * 100) - 1);
+  EXPECT_LT(any.reward, 1e6);
+  EXPECT_TRUE(std::isfinite(any.value));
+  EXPECT_FALSE(any.AllowsReward(1e30f));
+}
+
+TEST(ExperienceBounds, CheckRewardsNamesTheFrameTheRewardAndTheBound) {
+  const ExperienceBounds bounds = ExperienceBounds::From(Config{});
+  const ObservationSpec spec{.vehicles = 1, .history = 1};
+  const auto check = [&](float second) {
+    ChunkBuilder builder(spec, FloatCoding::kFloat16);
+    builder.Begin(/*episode=*/9, /*first_frame=*/64);
+    builder.AddTransition(Observation(spec), {}, 5.5f, 0, 1);
+    builder.AddTransition(Observation(spec), {}, second, 0, 1);
+    const std::vector<std::byte> bytes = builder.Finish({.actor = 7, .incarnation = 1, .sequence = 1});
+    return CheckRewards(ChunkView::Parse(bytes).value(), bounds);
+  };
+  EXPECT_TRUE(check(-5.5f));
+  for (const float reward : {1e30f, 3e38f, -3e38f}) {
+    const Status checked = check(reward);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().code, ErrorCode::kCorrupt);
+    EXPECT_EQ(
+        checked.error().message,
+        fmt::format("actor 7, episode 9, frame 65: reward {:g} is beyond 5.56, the most this task gives",
+                    reward));
+  }
 }
 
 TEST(ExperienceBounds, ValueIsTheRewardForEverDiscounted) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/io/checksum.h"
 #include "tests/proto/synthetic_experience.h"
@@ -45,7 +47,8 @@ struct Fixture {
 
   std::vector<std::byte> Encode() const { return EncodeSampleBatch(items, SchemaHash(kSpec)); }
   Status Decode(const std::vector<std::byte>& bytes, TransitionBatch& batch) {
-    return DecodeSampleBatch(bytes, SchemaHash(kSpec), kGamma, codec, batch);
+    return DecodeSampleBatch(bytes, SchemaHash(kSpec), kGamma, ExperienceBounds::From(Config{}), codec,
+                             batch);
   }
 };
 
@@ -100,6 +103,7 @@ TEST(SampleBatch, WellSummedWrongLengthsAreRefused) {
   TransitionBatch batch(kSpec, 2);
   const std::vector<std::byte> good = fixture.Encode();
   constexpr size_t kEntries = 24;
+  constexpr size_t kRewards = kEntries + 2 * 40;
   const auto refuses = [&](size_t at, auto value) {
     std::vector<std::byte> bytes = good;
     std::memcpy(&bytes[at], &value, sizeof(value));
@@ -115,6 +119,30 @@ TEST(SampleBatch, WellSummedWrongLengthsAreRefused) {
   EXPECT_TRUE(refuses(kEntries + 32, uint32_t{0}));           // first frame missing
   EXPECT_TRUE(refuses(kEntries + 32, uint32_t{0xffffffff}));  // longer than the message
   EXPECT_TRUE(refuses(kEntries + 40 + 36, uint32_t{1}));      // next frame of a terminated item
+  EXPECT_TRUE(refuses(kEntries + 8, -0.5f));                  // probability
+  EXPECT_TRUE(refuses(kEntries + 12, 1.5f));                  // importance weight
+  EXPECT_TRUE(refuses(kEntries + 20, 1.001f));                // action
+  EXPECT_TRUE(refuses(kEntries + 24, std::nanf("")));         // action
+  for (const float reward : {1e30f, 3e38f, -6.0f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    EXPECT_TRUE(refuses(kRewards, reward)) << reward;
+    EXPECT_TRUE(refuses(kRewards + 3 * 4, reward)) << reward << ", of the last";
+  }
+  EXPECT_FALSE(refuses(kRewards, -5.5f));
+}
+
+TEST(SampleBatch, AFeatureBeyondWhatSensingClampsToIsRefused) {
+  Fixture fixture;
+  TransitionBatch batch(kSpec, 2);
+  for (const float feature : {5.001f, -65504.0f, 3e38f}) {
+    Observation impossible = fixture.first;
+    impossible.vehicles[9] = feature;
+    std::vector<std::byte> payload;
+    fixture.codec.Encode(impossible, payload);
+    fixture.items[1].first = payload;
+    const Status decoded = fixture.Decode(fixture.Encode(), batch);
+    ASSERT_FALSE(decoded) << feature;
+    EXPECT_NE(decoded.error().message.find("beyond 5"), std::string::npos) << decoded.error().message;
+  }
 }
 
 }  // namespace

@@ -199,7 +199,7 @@ std::vector<std::byte> MakeSyntheticChunk(const ObservationSpec& spec, const Syn
   for (int i = 0; i < chunk.frames; ++i) {
     const float part = static_cast<float>(chunk.first_frame + static_cast<uint32_t>(i)) / 1000.0f;
     builder.AddTransition(SyntheticObservation(spec, random), {part, -part},
-                          static_cast<float>(chunk.episode) + part,
+                          (static_cast<float>(chunk.episode) + part) * 0x1p-10f,
                           i + 1 == chunk.frames ? chunk.end : uint8_t{0}, chunk.policy_version);
   }
   if (chunk.final_frame) builder.AddFinal(SyntheticObservation(spec, random));

@@ -29,8 +29,8 @@ struct SyntheticChunk {
   FloatCoding floats = FloatCoding::kFloat16;
 };
 
-// Its bytes. Frame f of episode e has reward e + f / 1000 and action (f / 1000, -f / 1000), so that a test
-// can tell which frames it got.
+// Its bytes. Frame f of episode e has reward (e + f / 1000) / 1024 and action (f / 1000, -f / 1000), so that
+// a test can tell which frames it got.
 std::vector<std::byte> MakeSyntheticChunk(const ObservationSpec& spec, const SyntheticChunk& chunk,
                                           uint64_t seed = 1);
 

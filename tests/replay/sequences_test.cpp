@@ -87,12 +87,12 @@ TEST_F(SequencesTest, AreExactlyTheStretchesOfTheEpisodesAndEndWithThem) {
     const auto bytes = EncodeSequenceBatch(drawn.sequences, kLength, table->schema());
     SequenceBatch batch(kTestSpec, static_cast<int>(count), kLength);
     FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
-    const Status decoded = DecodeSequenceBatch(bytes, table->schema(), codec, batch);
+    const Status decoded = DecodeSequenceBatch(bytes, table->schema(), kTestBounds, codec, batch);
     ASSERT_TRUE(decoded) << decoded.error().message;
     for (size_t i = 0; i < count; ++i) {
       const float first = batch.reward[i * kLength];
       ASSERT_EQ(starts.erase(first), 1u) << "each start once";
-      const auto value = static_cast<uint64_t>(first) - 10000;
+      const auto value = static_cast<uint64_t>(first / kTestScale) - 10000;
       const uint64_t number = value / 100;
       const auto start = static_cast<uint32_t>(value % 100);
       const Episode& episode = episodes.at(number);
@@ -159,7 +159,8 @@ TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {
   SequenceBatch batch(kTestSpec, 3, kLength);
   FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
   for (size_t cut = 0; cut < sound.size(); ++cut) {
-    ASSERT_FALSE(DecodeSequenceBatch(std::span(sound).first(cut), table->schema(), codec, batch)) << cut;
+    ASSERT_FALSE(DecodeSequenceBatch(std::span(sound).first(cut), table->schema(), kTestBounds, codec, batch))
+        << cut;
   }
   // With a checksum that fits: nothing is read outside, what is accepted has the shape that was asked for.
   for (int round = 0; round < 20000; ++round) {
@@ -167,15 +168,15 @@ TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {
     bytes[random.Below(bytes.size() - 8)] = static_cast<std::byte>(random.Next());
     const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
     std::memcpy(&bytes[bytes.size() - 8], &checksum, 8);
-    if (!DecodeSequenceBatch(bytes, table->schema(), codec, batch)) continue;
+    if (!DecodeSequenceBatch(bytes, table->schema(), kTestBounds, codec, batch)) continue;
     for (const int steps : batch.steps) {
       ASSERT_GE(steps, 1);
       ASSERT_LE(steps, kLength);
     }
   }
   SequenceBatch other(kTestSpec, 3, kLength + 1);
-  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema(), codec, other));
-  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema() + 1, codec, batch));
+  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema(), kTestBounds, codec, other));
+  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema() + 1, kTestBounds, codec, batch));
 }
 
 }  // namespace

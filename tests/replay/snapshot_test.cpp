@@ -47,7 +47,7 @@ class SnapshotTest : public testing::Test {
     while (found < table.stats().items) {
       const auto batch = table.Sample(512, 1, 0).value();
       for (const SampledItem& item : batch.items) {
-        const auto value = static_cast<uint64_t>(item.rewards[0]) - 10000;
+        const auto value = static_cast<uint64_t>(item.rewards[0] / kTestScale) - 10000;
         found += frames[value / 100].insert(value % 100).second;
       }
     }

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
+#include <memory>
 #include <set>
 #include <thread>
 
+#include "tests/common/util/captured_log.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {
@@ -47,6 +50,42 @@ TEST(ReplayTable, StoresEachChunkOnceAndSamplesIt) {
   ASSERT_EQ(batch->items.size(), 64u);
   for (const SampledItem& item : batch->items) EXPECT_EQ(Decode(item.first), item.rewards[0]);
   EXPECT_EQ(table->stats().sampled, 64u);
+}
+
+TEST(ReplayTable, RefusesRewardsThatTheTaskCannotGiveAndTheirActorGoesOn) {
+  SystemClock clock;
+  const CapturedLog log;
+  auto table = ReplayTable::Open(Options(), clock).value();
+  uint64_t sequence = 0;
+  const auto insert = [&](float reward) {
+    ++sequence;
+    return table->Insert(
+        Build({.identity = {1, 1, sequence}, .episode = 1, .end = kTerminated, .last_reward = reward}),
+        sequence);
+  };
+  for (const float reward : {1e30f, 3e38f, -3e38f, -5.6f}) EXPECT_EQ(insert(reward), Insertion::kRejected);
+  EXPECT_EQ(insert(-5.5f), Insertion::kStored);
+  EXPECT_EQ(table->stats().rejected_chunks[static_cast<size_t>(ChunkFault::kContents)], 4u);
+  EXPECT_EQ(table->stats().items, 4u);
+  EXPECT_EQ(table->Stored(1, 1), 5u);
+  EXPECT_THAT(log.text(), testing::HasSubstr("actor 1, episode 1, frame 3: reward 1e+30 is beyond 5.56"));
+  EXPECT_EQ(log.text().find("refused a chunk"), log.text().rfind("refused a chunk")) << "said once";
+}
+
+TEST(ReplayTable, RefusesPrioritiesThatNoErrorHas) {
+  SystemClock clock;
+  TableOptions options = Options();
+  options.replay.sampler = SamplerKind::kHighestPriority;
+  options.replay.max_times_sampled = 1000;
+  auto table = ReplayTable::Open(options, clock).value();
+  ASSERT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kStored);
+  const uint64_t first = table->Sample(1, 1, 0).value().items[0].key;
+  table->UpdatePriorities({{first + 5}}, {{3.0f}});
+  for (const float priority : {NAN, -1.0f, INFINITY, 3e38f}) {
+    table->UpdatePriorities({{first}}, {{priority}});
+  }
+  EXPECT_EQ(table->stats().refused_priorities, 4u);
+  EXPECT_EQ(table->Sample(1, 1, 0).value().items[0].key, first + 5);
 }
 
 TEST(ReplayTable, GoesOnBehindChunksThatNobodyHasAnyMore) {
@@ -165,7 +204,7 @@ TEST(ReplayTable, DiskStaysWithinItsBoundAndTheNewestStay) {
   const auto batch = table->Sample(5000, 1, 0).value();
   std::set<uint64_t> episodes;
   for (const SampledItem& item : batch.items) {
-    episodes.insert(static_cast<uint64_t>((item.rewards[0] - 10000.0f) / 100.0f));
+    episodes.insert(static_cast<uint64_t>((item.rewards[0] / kTestScale - 10000.0f) / 100.0f));
   }
   EXPECT_EQ(*episodes.rbegin(), kChunks);
   EXPECT_EQ(*episodes.rbegin() - *episodes.begin() + 1, episodes.size());

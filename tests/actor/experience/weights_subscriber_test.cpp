@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/io/checksum.h"
 #include "tests/actor/experience/replay_peer.h"
@@ -105,6 +107,15 @@ TEST_F(WeightsSubscriberTest, RefusesAWrongLength) {
     ExpectRefused(weights);
   }
   EXPECT_EQ(subscriber_->refused_layouts(), 0);
+}
+
+TEST_F(WeightsSubscriberTest, RefusesParametersThatNoNetworkHas) {
+  for (const float parameter : {std::nanf(""), std::numeric_limits<float>::infinity(), 3e38f, -10001.0f}) {
+    dadrl_idl_Weights weights = Make(1);
+    parameters_.back() = parameter;
+    weights.checksum = Xxh3(std::as_bytes(std::span(parameters_)));
+    ExpectRefused(weights);
+  }
 }
 
 TEST_F(WeightsSubscriberTest, RefusesVersionZero) { ExpectRefused(Make(0)); }

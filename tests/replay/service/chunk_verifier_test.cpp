@@ -51,6 +51,18 @@ TEST(ChunkVerifier, FindsAnyFaultyFrameOfANewWriter) {
   }
 }
 
+TEST(ChunkVerifier, FindsAFeatureBeyondWhatSensingClampsTo) {
+  Observation impossible(kTestSpec);
+  impossible.ego[4] = 1e30f;
+  ChunkBuilder builder(kTestSpec, FloatCoding::kFloat32);
+  builder.AddTransition(Observation(kTestSpec), {}, 0.0f, 0, 1);
+  builder.AddTransition(impossible, {}, 0.0f, 0, 1);
+  ChunkVerifier verifier(kTestSpec, false, 1);
+  const Status checked = Check(verifier, builder.Finish({7, 1, 1}));
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().message, HasSubstr("frame 1: frame payload holds a feature beyond 5"));
+}
+
 TEST(ChunkVerifier, LooksAtOneFrameOfATrustedWritersChunks) {
   ChunkVerifier verifier(kTestSpec, false, 1);
   Trust(verifier);

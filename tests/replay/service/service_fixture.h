@@ -53,7 +53,8 @@ class ReplayServiceTest : public testing::Test {
       const auto size = static_cast<uint32_t>(std::min<uint64_t>(left, 100));
       const auto reply = learner_->Fetch(size);
       TransitionBatch batch(kTestSpec, static_cast<int>(size));
-      const Status decoded = DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, codec, batch);
+      const Status decoded =
+          DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, kTestBounds, codec, batch);
       EXPECT_TRUE(decoded) << decoded.error().message;
       if (!decoded) break;
       for (const float reward : batch.reward) ++counts[reward];
