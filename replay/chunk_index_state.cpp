@@ -1,6 +1,7 @@
 // What survives a restart beside the chunks themselves.
-#include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <utility>
 
 #include "replay/chunk_index.h"
 #include "replay/stored_chunk.h"
@@ -39,22 +40,24 @@ void ChunkIndex::Restore(const ItemStates& states) {
     max_priority_ = states.max_priority;
     SetAllPriorities(max_priority_);  // those that the states do not know are new
   }
-  auto segment = segments_.begin();
-  size_t next = 0;   // chunk of *segment: both lists are in the order of the log
-  size_t frame = 0;  // of all
+  auto segment = segments_.begin();  // both lists are in the order of the log
+  const StoredSegment* indexed = nullptr;
+  std::unordered_map<uint64_t, StoredChunk*> chunks;  // of *indexed, by checksum
+  size_t frame = 0;                                   // of all
   for (const ItemStates::Chunk& saved : states.chunks) {
     const size_t first = frame;
     frame += saved.frames;
-    for (; segment != segments_.end() && (*segment)->segment->id() < saved.segment; ++segment) next = 0;
+    while (segment != segments_.end() && (*segment)->segment->id() < saved.segment) ++segment;
     if (segment == segments_.end() || (*segment)->segment->id() != saved.segment) continue;
-    // What stands between was damaged since: it was saved, but is not here.
-    auto& chunks = (*segment)->chunks;
-    size_t found = next;
-    while (found < chunks.size() && chunks[found].checksum != saved.checksum) ++found;
-    if (found == chunks.size() || chunks[found].slots().size() != saved.frames) continue;
-    next = found + 1;
+    if (std::exchange(indexed, segment->get()) != segment->get()) {
+      chunks.clear();
+      for (StoredChunk& chunk : (*segment)->chunks) chunks.emplace(chunk.checksum, &chunk);
+    }
+    // One that is not here was damaged since it was saved. Each is restored once, whatever the states repeat.
+    const auto found = chunks.extract(saved.checksum);
+    if (!found || found.mapped()->slots().size() != saved.frames) continue;
     for (size_t i = 0; i < saved.frames; ++i) {
-      RestoreItem(chunks[found], i, states.priorities[first + i], states.times_sampled[first + i]);
+      RestoreItem(*found.mapped(), i, states.priorities[first + i], states.times_sampled[first + i]);
     }
   }
 }
@@ -66,7 +69,7 @@ void ChunkIndex::RestoreItem(StoredChunk& chunk, size_t frame, float priority, u
   if (priority < 0.0f || (limit > 0 && times_sampled >= limit)) return RemoveItem(slot);
   SetPriority(slot, static_cast<double>(priority));
   if (limit > 0) draws_left_ -= times_sampled;
-  items_[slot].times_sampled = times_sampled;
+  items_[slot].times_sampled = std::min(times_sampled, kMaxTimesSampled);
 }
 
 void ChunkIndex::SetAllPriorities(double priority) {

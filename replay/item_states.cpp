@@ -1,7 +1,11 @@
 #include "replay/item_states.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <span>
+
+#include "proto/experience.h"
 
 namespace dadrl {
 namespace {
@@ -13,6 +17,11 @@ std::vector<T> GetVector(ByteReader& reader, uint64_t count) {
   std::vector<T> values(bytes.size() / sizeof(T));
   if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   return values;
+}
+
+bool IsPriority(float value) {
+  return value == ItemStates::kNoItem || value == ItemStates::kRemoved ||
+         (std::isfinite(value) && value >= 0.0f);
 }
 
 }  // namespace
@@ -31,24 +40,27 @@ void ItemStates::Put(ByteWriter& writer) const {
   writer.PutBytes(std::as_bytes(std::span(times_sampled)));
 }
 
-ItemStates ItemStates::Get(ByteReader& reader) {
+std::optional<ItemStates> ItemStates::Get(ByteReader& reader) {
   ItemStates states;
   states.max_priority = reader.Get<double>();
   states.newest_version = reader.Get<uint32_t>();
   const auto chunks = reader.Get<uint64_t>();
   const auto frames = reader.Get<uint64_t>();
   uint64_t counted = 0;
-  for (uint64_t i = 0; i < chunks && reader.ok(); ++i) {
+  bool possible = std::isfinite(states.max_priority) && states.max_priority >= 0.0;
+  for (uint64_t i = 0; i < chunks && reader.ok() && possible; ++i) {
     Chunk chunk;
     chunk.segment = reader.Get<uint64_t>();
     chunk.checksum = reader.Get<uint64_t>();
     chunk.frames = reader.Get<uint32_t>();
     counted += chunk.frames;
+    possible = chunk.frames >= 1 && chunk.frames <= kMaxChunkFrames;
     states.chunks.push_back(chunk);
   }
+  if (!possible || counted != frames) return std::nullopt;
   states.priorities = GetVector<float>(reader, frames);
   states.times_sampled = GetVector<uint32_t>(reader, frames);
-  if (!reader.ok() || counted != frames) return {};
+  if (!reader.ok() || !std::ranges::all_of(states.priorities, IsPriority)) return std::nullopt;
   return states;
 }
 

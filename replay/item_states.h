@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/io/byte_io.h"
@@ -28,8 +29,9 @@ struct ItemStates {
   std::vector<uint32_t> times_sampled;  // likewise
 
   void Put(ByteWriter& writer) const;
-  // Check reader.ok() afterwards; what is damaged is empty.
-  static ItemStates Get(ByteReader& reader);
+  // Nothing when they are cut short, or hold what no index has had: a priority that is no number or negative,
+  // a chunk without frames or of too many, lists of different lengths.
+  static std::optional<ItemStates> Get(ByteReader& reader);
 };
 
 }  // namespace dadrl

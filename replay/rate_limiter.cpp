@@ -1,8 +1,34 @@
 #include "replay/rate_limiter.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dadrl {
+namespace {
+
+// Not a NaN either.
+bool IsBetween(double value, double least, double most) { return value >= least && value <= most; }
+
+// Frames and samples of a run; sums of two stay far from overflowing.
+constexpr int64_t kMostCounted = int64_t{1} << 60;
+// Of one request, which may be larger than the band.
+constexpr double kMostOverdraft = 1e9;
+
+}  // namespace
+
+bool RateLimiter::IsPossible(const Options& options) {
+  return options.min_size >= 1 && options.min_size <= kMostMinSize &&
+         IsBetween(options.max_samples_per_insert, 0.0, kMostSamplesPerInsert) &&
+         IsBetween(options.min_samples_per_insert, 0.0, kMostSamplesPerInsert) &&
+         std::isfinite(options.band) && options.band >= 1.0;
+}
+
+bool RateLimiter::IsPossible(const State& state) {
+  return state.inserted >= 0 && state.inserted <= kMostCounted && state.sampled >= 0 &&
+         state.sampled <= kMostCounted && std::isfinite(state.sample_credit) &&
+         state.sample_credit >= -kMostOverdraft && std::isfinite(state.insert_debt) &&
+         state.insert_debt >= 0.0;
+}
 
 void RateLimiter::Reconfigure(const Options& options) {
   options_ = options;

@@ -37,6 +37,15 @@ class RateLimiter {
     double insert_debt = 0.0;
   };
 
+  // Bounds that a command may set; those of a configuration may have a longer band.
+  static constexpr int64_t kMostMinSize = int64_t{1} << 50;
+  static constexpr double kMostSamplesPerInsert = 1e6;
+  static constexpr double kLongestBand = 1e12;
+
+  // False for numbers that no limiter has had: with them both sides would wait for ever, or never.
+  static bool IsPossible(const Options& options);
+  static bool IsPossible(const State& state);
+
   explicit RateLimiter(const Options& options) : options_(options) {}
 
   // New bounds from now on. Credit is cut to the new band; debt has still to be paid.

@@ -81,15 +81,19 @@ void SequenceTable::Put(ByteWriter& writer) const {
   }
 }
 
-SequenceTable SequenceTable::Get(ByteReader& reader) {
+std::optional<SequenceTable> SequenceTable::Get(ByteReader& reader) {
   SequenceTable table;
   const auto count = reader.Get<uint32_t>();
   for (uint32_t i = 0; i < count && reader.ok(); ++i) {
     const auto actor = reader.Get<uint32_t>();
     const auto incarnation = reader.Get<uint64_t>();
     const auto stored = reader.Get<uint64_t>();
-    if (reader.ok()) table.actors_[actor][incarnation] = stored;
+    Incarnations& incarnations = table.actors_[actor];
+    incarnations[incarnation] = stored;
+    if (stored > kMaxSequence || incarnations.size() > kMaxIncarnations) return std::nullopt;
+    if (table.actors_.size() > kMaxActors) return std::nullopt;
   }
+  if (!reader.ok()) return std::nullopt;
   return table;
 }
 

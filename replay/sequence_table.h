@@ -47,7 +47,8 @@ class SequenceTable {
   // Takes the higher of both for every incarnation.
   void Merge(const SequenceTable& other);
   void Put(ByteWriter& writer) const;
-  static SequenceTable Get(ByteReader& reader);
+  // Nothing when it is cut short, or holds more than a table may: actors, incarnations, sequences.
+  static std::optional<SequenceTable> Get(ByteReader& reader);
 
  private:
   // Incarnation to highest stored sequence.

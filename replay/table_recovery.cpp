@@ -6,6 +6,15 @@
 #include "replay/table.h"
 
 namespace dadrl {
+namespace {
+
+// One that is beyond the bound is as important as an item can be.
+void LimitPriorities(double most, ItemStates& items) {
+  items.max_priority = std::min(items.max_priority, most);
+  for (float& priority : items.priorities) priority = std::min(priority, static_cast<float>(most));
+}
+
+}  // namespace
 
 Status ReplayTable::Recover() {
   const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay),
@@ -25,9 +34,12 @@ Status ReplayTable::Recover() {
   }
   BoundIndex();
   const Stats now = stats();
-  if (recovery.records > 0 || recovery.dropped_bytes > 0) {
-    spdlog::info("recovered {} frames in {} chunks and {} segments; dropped {} damaged or torn bytes",
-                 now.frames_held, now.chunks_held, recovery.segments, recovery.dropped_bytes);
+  if (recovery.records > 0 || recovery.dropped_bytes > 0 || recovery.rejected_records > 0) {
+    spdlog::info(
+        "recovered {} frames in {} chunks and {} segments; dropped {} damaged or torn bytes and {} unusable "
+        "chunks",
+        now.frames_held, now.chunks_held, recovery.segments, recovery.dropped_bytes,
+        recovery.rejected_records);
   }
   return {};
 }
@@ -37,6 +49,7 @@ bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
                                 std::span<const std::byte> record) {
   const Result<ChunkView> chunk = ChunkView::Parse(record);
   if (!chunk || chunk->header().schema != options_.schema) return false;
+  if (!CheckRewards(*chunk, options_.bounds)) return false;
   MutexLock inserting(insert_mutex_);
   // A gap is a record that was damaged; what follows it is as good as ever.
   const ChunkIdentity& identity = chunk->header().identity;
@@ -50,7 +63,7 @@ bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
 
 // The state file knows what dropped segments held, up to the place it names; the records know the rest.
 Status ReplayTable::RestoreState() {
-  Result<ReplayState> found = ReadReplayState(StatePath());
+  Result<ReplayState> found = ReadReplayState(StatePath(), MaxStateBytes(log_->bytes()));
   if (!found && found.error().code == ErrorCode::kCorrupt) {
     spdlog::warn("{}: counters and priorities start anew; stored experience is not affected",
                  found.error().message);
@@ -59,6 +72,7 @@ Status ReplayTable::RestoreState() {
   }
   ReplayState state;
   if (found && found->schema == options_.schema) state = std::move(*found);
+  LimitPriorities(options_.bounds.priority, state.items);
   MutexLock inserting(insert_mutex_);
   MutexLock lock(mutex_);
   sequences_.Merge(state.sequences);

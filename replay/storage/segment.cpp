@@ -77,6 +77,10 @@ Result<std::shared_ptr<Segment>> Segment::Open(const std::filesystem::path& path
   struct stat status {};
   if (fstat(file.get(), &status) != 0) return tl::unexpected(IoError("stat", path, errno));
   const auto size = static_cast<uint64_t>(status.st_size);
+  if (size > kMaxSegmentBytes) {
+    return Fail(ErrorCode::kInvalidArgument, "{} is {} bytes long, a segment at most {}: move it away",
+                path.string(), size, kMaxSegmentBytes);
+  }
   std::shared_ptr<Segment> segment(new Segment(path, id, std::move(file), std::move(force)));
   segment->used_ = size;
   if (size < kSegmentHeader) return segment;

@@ -46,7 +46,8 @@ class Segment {
   static Result<std::shared_ptr<Segment>> Create(const std::filesystem::path& path, uint64_t id,
                                                  uint64_t schema, uint64_t capacity, Force force = SyncFile);
   // An existing one, closed for appending. kCorrupt when it is of another schema or version, with
-  // the remedy. A damaged header alone loses nothing: the records prove themselves.
+  // the remedy; kInvalidArgument when it is no file of ours: a link, a FIFO, longer than any segment. A
+  // damaged header alone loses nothing: the records prove themselves.
   static Result<std::shared_ptr<Segment>> Open(const std::filesystem::path& path, uint64_t id,
                                                uint64_t schema, Force force = SyncFile);
   ~Segment();

@@ -12,6 +12,10 @@ namespace dadrl {
 inline constexpr uint32_t kSegmentVersion = 1;
 inline constexpr uint64_t kSegmentHeader = 40;
 inline constexpr uint64_t kRecordHeader = 24;
+// A key holds an id in 32 bits (chunk_index.cpp).
+inline constexpr uint64_t kMaxSegmentId = 0xffffffff;
+// Of a file: twice what replay.segment_bytes may be. A longer one is not ours.
+inline constexpr uint64_t kMaxSegmentBytes = uint64_t{2} << 30;
 
 // Records begin at multiples of 8.
 constexpr uint64_t PaddedRecord(uint64_t length) { return (length + 7) / 8 * 8; }

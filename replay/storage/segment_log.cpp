@@ -14,6 +14,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/io_error.h"
 #include "common/util/log.h"
+#include "replay/storage/segment_format.h"
 
 namespace dadrl {
 namespace {
@@ -23,14 +24,15 @@ constexpr std::string_view kSuffix = ".log";
 
 }  // namespace
 
+std::string SegmentLog::NameOf(uint64_t id) { return fmt::format("{}{:012}{}", kPrefix, id, kSuffix); }
+
 std::optional<uint64_t> SegmentLog::IdOf(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return std::nullopt;
-  const std::string_view digits =
-      std::string_view(name).substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size());
   uint64_t id = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), id);
-  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  std::from_chars(name.data() + kPrefix.size(), name.data() + name.size(), id);
+  // Each id has one name: no other spelling of it, nothing behind it, no overflow.
+  if (id < 1 || id > kMaxSegmentId || name != NameOf(id)) return std::nullopt;
   return id;
 }
 
@@ -70,10 +72,10 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   std::deque<std::shared_ptr<Segment>> segments;
   uint64_t bytes = 0;
   for (const auto& [id, path] : files) {
-    next_id_ = id + 1;
     auto opened = Segment::Open(path, id, options_.schema, options_.force);
     if (!opened && opened.error().code == ErrorCode::kInvalidArgument) {
-      spdlog::warn("{}", opened.error().message);  // a link or a device: not ours, and in nobody's way
+      ++recovery.refused_files;
+      spdlog::warn("left alone: {}", opened.error().message);
       continue;
     }
     DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, std::move(opened));
@@ -86,10 +88,12 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
       spdlog::warn("{}: {} records are whole; dropped {} damaged or torn bytes and {} unusable records",
                    path.string(), scan.records, scan.dropped_bytes, scan.rejected_records);
     }
-    if (scan.records == 0) {
+    // What is whole but refused may be good for another configuration: it leaves as the oldest, not before.
+    if (scan.records == 0 && scan.rejected_records == 0) {
       segment->Unlink();
       continue;
     }
+    next_id_ = id + 1;
     ++recovery.segments;
     recovery.records += scan.records;
     recovery.bytes += segment->bytes();
@@ -107,7 +111,7 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
 
 std::filesystem::path SegmentLog::PathOf(uint64_t id) const {
   if (options_.directory.empty()) return {};
-  return options_.directory / fmt::format("{}{:012}{}", kPrefix, id, kSuffix);
+  return options_.directory / NameOf(id);
 }
 
 bool SegmentLog::NeedsSegment(size_t length) const { return !open_ || !open_->Fits(length); }
@@ -124,6 +128,10 @@ void SegmentLog::CloseSegment() {
 }
 
 Status SegmentLog::StartSegment(size_t length) {
+  if (next_id_ > kMaxSegmentId) {
+    return Fail(ErrorCode::kExhausted, "no segment comes after {} in {}: move the last one away",
+                NameOf(kMaxSegmentId), options_.directory.string());
+  }
   // The id is taken even when this fails: a file that is half there must not be in the way.
   const uint64_t id = next_id_++;
   DADRL_ASSIGN_OR_RETURN(

@@ -36,6 +36,7 @@ class SegmentLog {
     uint64_t bytes = 0;
     uint64_t dropped_bytes = 0;     // damaged or torn
     uint64_t rejected_records = 0;  // whole, but the visitor refused them
+    uint64_t refused_files = 0;     // named like a segment, and none of ours: a link, a FIFO, far too long
   };
   using Visitor = std::function<bool(const std::shared_ptr<const Segment>&, std::span<const std::byte>)>;
 
@@ -44,6 +45,7 @@ class SegmentLog {
   static Result<std::unique_ptr<SegmentLog>> Open(const Options& options, const Visitor& visit,
                                                   Recovery& recovery);
 
+  static std::string NameOf(uint64_t id);
   // Of a segment's file name; nothing when it is none.
   static std::optional<uint64_t> IdOf(const std::filesystem::path& path);
 

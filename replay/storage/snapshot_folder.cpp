@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "common/io/io_error.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -66,7 +67,7 @@ Status CheckSnapshotName(const std::string& name) {
       ErrorCode::kInvalidArgument,
       "snapshot name '{}' is not 1 to 64 letters, digits, '-', '_' or '.' (not in front, not .partial at "
       "the end)",
-      name);
+      Shown(name));
 }
 
 std::string AutomaticSnapshotName(int64_t wall_time_ns) {

@@ -1,18 +1,24 @@
 #include "replay/storage/state_file.h"
 
-#include <vector>
+#include <algorithm>
+#include <utility>
 
 #include "common/io/atomic_file.h"
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
+#include "replay/storage/segment_format.h"
 
 namespace dadrl {
 namespace {
 
 constexpr uint32_t kStateMagic = 0x53584441;  // "ADXS"
 constexpr uint32_t kStateVersion = 2;
-constexpr uint64_t kMaxStateBytes = uint64_t{2} << 30;
+// Read in any case, should segments be missing: the state of some hundred million frames.
+constexpr uint64_t kAlwaysRead = uint64_t{2} << 30;
+// The sequence table at its largest, and everything of fixed length, rounded up.
+constexpr uint64_t kBesideItems =
+    SequenceTable::kMaxActors * SequenceTable::kMaxIncarnations * uint64_t{20} + 4096;
 
 void PutOptions(const RateLimiter::Options& options, ByteWriter& writer) {
   writer.Put(options.min_size);
@@ -30,9 +36,39 @@ RateLimiter::Options GetOptions(ByteReader& reader) {
   return options;
 }
 
+// What stands between version and checksum; nothing when a number is impossible.
+std::optional<ReplayState> GetState(ByteReader& reader) {
+  ReplayState state;
+  state.schema = reader.Get<uint64_t>();
+  state.up_to.segment = reader.Get<uint64_t>();
+  state.up_to.offset = reader.Get<uint64_t>();
+  state.limiter.inserted = reader.Get<int64_t>();
+  state.limiter.sampled = reader.Get<int64_t>();
+  state.limiter.sample_credit = reader.Get<double>();
+  state.limiter.insert_debt = reader.Get<double>();
+  if (state.up_to.segment > kMaxSegmentId || !RateLimiter::IsPossible(state.limiter)) return std::nullopt;
+  if (reader.Get<uint32_t>() != 0) {
+    ReplayState::LimiterChange& change = state.limiter_change.emplace();
+    change.configured = GetOptions(reader);
+    change.current = GetOptions(reader);
+    if (!RateLimiter::IsPossible(change.current)) return std::nullopt;
+  }
+  std::optional<SequenceTable> sequences = SequenceTable::Get(reader);
+  if (!sequences) return std::nullopt;
+  state.sequences = std::move(*sequences);
+  std::optional<ItemStates> items = ItemStates::Get(reader);
+  if (!items) return std::nullopt;
+  state.items = std::move(*items);
+  return state;
+}
+
 }  // namespace
 
-Status WriteReplayState(const std::filesystem::path& file, const ReplayState& state) {
+uint64_t MaxStateBytes(uint64_t segment_bytes) {
+  return std::max(kAlwaysRead, kBesideItems + std::min(segment_bytes, UINT64_MAX - kBesideItems));
+}
+
+std::vector<std::byte> EncodeReplayState(const ReplayState& state) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
   writer.Put(kStateMagic);
@@ -52,39 +88,34 @@ Status WriteReplayState(const std::filesystem::path& file, const ReplayState& st
   state.sequences.Put(writer);
   state.items.Put(writer);
   writer.Put(Xxh3(bytes));
-  return WriteFileAtomically(file, bytes);
+  return bytes;
 }
 
-Result<ReplayState> ReadReplayState(const std::filesystem::path& file) {
-  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(file, kMaxStateBytes));
-  const std::span<const std::byte> all(bytes);
-  const size_t content = all.size() < 8 ? 0 : all.size() - 8;
-  if (ByteReader(all.subspan(content)).Get<uint64_t>() != Xxh3(all.first(content))) {
-    return Fail(ErrorCode::kCorrupt, "{} fails its checksum", file.string());
+Result<ReplayState> DecodeReplayState(std::span<const std::byte> bytes, const std::string& name) {
+  const size_t content = bytes.size() < 8 ? 0 : bytes.size() - 8;
+  if (ByteReader(bytes.subspan(content)).Get<uint64_t>() != Xxh3(bytes.first(content))) {
+    return Fail(ErrorCode::kCorrupt, "{} fails its checksum", name);
   }
-  ByteReader reader(all.first(content));
-  const auto magic = reader.Get<uint32_t>();
-  const auto version = reader.Get<uint32_t>();
-  const auto alien =
-      Fail(ErrorCode::kCorrupt, "{} is not a replay state of format {}", file.string(), kStateVersion);
-  if (magic != kStateMagic || version != kStateVersion) return alien;
-  ReplayState state;
-  state.schema = reader.Get<uint64_t>();
-  state.up_to.segment = reader.Get<uint64_t>();
-  state.up_to.offset = reader.Get<uint64_t>();
-  state.limiter.inserted = reader.Get<int64_t>();
-  state.limiter.sampled = reader.Get<int64_t>();
-  state.limiter.sample_credit = reader.Get<double>();
-  state.limiter.insert_debt = reader.Get<double>();
-  if (reader.Get<uint32_t>() != 0) {
-    ReplayState::LimiterChange& change = state.limiter_change.emplace();
-    change.configured = GetOptions(reader);
-    change.current = GetOptions(reader);
+  ByteReader reader(bytes.first(content));
+  if (reader.Get<uint32_t>() != kStateMagic || reader.Get<uint32_t>() != kStateVersion) {
+    return Fail(ErrorCode::kCorrupt, "{} is not a replay state of format {}", name, kStateVersion);
   }
-  state.sequences = SequenceTable::Get(reader);
-  state.items = ItemStates::Get(reader);
-  if (!reader.ok() || reader.remaining() != 0) return alien;
-  return state;
+  std::optional<ReplayState> state = GetState(reader);
+  if (!state || !reader.ok() || reader.remaining() != 0) {
+    return Fail(ErrorCode::kCorrupt, "{} holds what no replay has written", name);
+  }
+  return std::move(*state);
+}
+
+Status WriteReplayState(const std::filesystem::path& file, const ReplayState& state) {
+  return WriteFileAtomically(file, EncodeReplayState(state));
+}
+
+Result<ReplayState> ReadReplayState(const std::filesystem::path& file, uint64_t max_bytes) {
+  Result<std::vector<std::byte>> bytes = ReadFile(file, max_bytes);
+  if (!bytes && bytes.error().code == ErrorCode::kExhausted) bytes.error().code = ErrorCode::kCorrupt;
+  if (!bytes) return tl::unexpected(std::move(bytes.error()));
+  return DecodeReplayState(*bytes, file.string());
 }
 
 }  // namespace dadrl

@@ -2,9 +2,13 @@
 // atomically at intervals, whenever a segment is closed, with a snapshot, and when the service drains.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/util/result.h"
 #include "replay/item_states.h"
@@ -28,9 +32,18 @@ struct ReplayState {
   ItemStates items;
 };
 
+// A state is never longer than this, beside segments of so many bytes: each chunk and each frame takes more
+// there than here. What is written can therefore be read.
+uint64_t MaxStateBytes(uint64_t segment_bytes);
+
+std::vector<std::byte> EncodeReplayState(const ReplayState& state);
+// kCorrupt: `bytes` are no state, or hold numbers that no replay has had. `name` is for the error text.
+Result<ReplayState> DecodeReplayState(std::span<const std::byte> bytes, const std::string& name);
+
 // Blocks on the disk. kExhausted: disk full; the earlier file is untouched.
 Status WriteReplayState(const std::filesystem::path& file, const ReplayState& state);
-// kNotFound: there is none. kCorrupt: it cannot be used.
-Result<ReplayState> ReadReplayState(const std::filesystem::path& file);
+// kNotFound: there is none. kCorrupt: it cannot be used, or is longer than `max_bytes` (nothing is allocated
+// then).
+Result<ReplayState> ReadReplayState(const std::filesystem::path& file, uint64_t max_bytes);
 
 }  // namespace dadrl

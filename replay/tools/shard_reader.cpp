@@ -66,7 +66,15 @@ Status ShardReader::AddShard(const fs::path& directory) {
     if (!id) continue;
     auto file = MappedFile::Open(it->path());
     if (!file && file.error().code == ErrorCode::kNotFound) continue;  // dropped by a running replay
+    if (!file && file.error().code == ErrorCode::kInvalidArgument) {
+      refused_.push_back({.file = it->path(), .what = file.error().message});
+      continue;
+    }
     if (!file) return tl::unexpected<Error>(std::move(file.error()));
+    if (file->bytes().size() > kMaxSegmentBytes) {
+      refused_.push_back({it->path(), 0, file->bytes().size(), "is longer than any segment"});
+      continue;
+    }
     segments_.push_back({it->path(), *id, std::move(*file), false});
   }
   if (error) return Fail(ErrorCode::kNotFound, "list {}: {}", directory.string(), error.message());
@@ -104,6 +112,7 @@ Status ShardReader::FindSchema() {
 void ShardReader::ForEachChunk(
     const std::function<bool(const fs::path& file, uint64_t offset, const ChunkView& chunk)>& visit,
     const std::function<void(const Damage&)>& on_damage) const {
+  for (const Damage& refused : refused_) on_damage(refused);
   bool more = true;
   for (const SegmentFile& segment : segments_) {
     if (!more) return;
@@ -134,6 +143,14 @@ void ShardReader::ForEachChunk(
                        if (!grows) damage(offset, bytes, "belongs to no whole record");
                      }});
   }
+}
+
+uint64_t ShardReader::BytesOf(const fs::path& shard) const {
+  uint64_t sum = 0;
+  for (const SegmentFile& segment : segments_) {
+    if (segment.path.parent_path() == shard) sum += segment.file.bytes().size();
+  }
+  return sum;
 }
 
 uint64_t ShardReader::bytes() const {

@@ -27,6 +27,7 @@ class ShardReader {
  public:
   // `directory`: a shard's folder, a snapshot, or a folder of shards (`replay` of a run, or the run itself).
   // kNotFound: no segment anywhere; kCorrupt: no segment says what it holds, or they hold different things.
+  // What is named like a segment and is none (a link, a FIFO, far too long) is damage, and never opened.
   static Result<ShardReader> Open(const std::filesystem::path& directory);
 
   // Visits every whole chunk, shard by shard in the order it was stored; `visit` returns false to stop.
@@ -39,6 +40,8 @@ class ShardReader {
   uint64_t schema() const { return schema_; }
   size_t segments() const { return segments_.size(); }
   uint64_t bytes() const;
+  // Of one shard's segments.
+  uint64_t BytesOf(const std::filesystem::path& shard) const;
   const std::vector<std::filesystem::path>& shards() const { return shards_; }
 
  private:
@@ -54,6 +57,7 @@ class ShardReader {
 
   std::vector<std::filesystem::path> shards_;
   std::vector<SegmentFile> segments_;
+  std::vector<Damage> refused_;  // files
   uint64_t schema_ = 0;
   ObservationSpec spec_;
 };

@@ -77,11 +77,33 @@ TEST(SequenceTable, SurvivesItsBytes) {
   ByteWriter writer(bytes);
   table.Put(writer);
   ByteReader reader(bytes);
-  const SequenceTable copy = SequenceTable::Get(reader);
-  ASSERT_TRUE(reader.ok());
-  EXPECT_EQ(copy.Stored(1, 10), 5u);
-  EXPECT_EQ(copy.Stored(1, 11), 6u);
-  EXPECT_EQ(copy.Stored(900, 1), 1u);
+  const auto copy = SequenceTable::Get(reader);
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(copy->Stored(1, 10), 5u);
+  EXPECT_EQ(copy->Stored(1, 11), 6u);
+  EXPECT_EQ(copy->Stored(900, 1), 1u);
+}
+
+TEST(SequenceTable, BytesThatNoTableWritesAreRefused) {
+  const auto read = [](std::initializer_list<ChunkIdentity> rows, uint32_t count) {
+    std::vector<std::byte> bytes;
+    ByteWriter writer(bytes);
+    writer.Put(count);
+    for (const ChunkIdentity& row : rows) {
+      writer.Put(row.actor);
+      writer.Put(row.incarnation);
+      writer.Put(row.sequence);
+    }
+    ByteReader reader(bytes);
+    return SequenceTable::Get(reader).has_value();
+  };
+  EXPECT_TRUE(read({{1, 1, kMaxSequence}}, 1));
+  EXPECT_FALSE(read({{1, 1, kMaxSequence + 1}}, 1));
+  EXPECT_FALSE(read({{1, 1, UINT64_MAX}}, 1));
+  EXPECT_FALSE(read({{1, 1, 1}}, 2)) << "cut short";
+  EXPECT_FALSE(read({{1, 1, 1}}, UINT32_MAX));
+  EXPECT_TRUE(read({{1, 1, 1}, {1, 2, 1}, {1, 3, 1}, {1, 4, 1}}, 4));
+  EXPECT_FALSE(read({{1, 1, 1}, {1, 2, 1}, {1, 3, 1}, {1, 4, 1}, {1, 5, 1}}, 5)) << "incarnations";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What becomes of snapshots: `dadrl replay restore`, and which of them are removed.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -56,6 +57,39 @@ TEST_F(SnapshotTools, ARestoreThatWasKilledHalfWayCanBeRepeated) {
   EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
   const ToolOutput replaced = RunTool({"inspect", (run_ / "replay.replaced").string(), "--json"});
   EXPECT_EQ(nlohmann::json::parse(replaced.out)["transitions"], 600);
+}
+
+TEST_F(SnapshotTools, RestoreTakesNoLinksAndNoStrangeFiles) {
+  const fs::path snapshot = SnapshotFolder(run_, 0) / "good";
+  {
+    const auto table = OpenTable();
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+    ASSERT_TRUE(table->Snapshot(snapshot));
+    for (int i = 0; i < 10; ++i) Round(*table, FloatCoding::kFloat16);
+  }
+  const fs::path secret = folder_.path() / "secret";
+  std::ofstream(secret) << "of somebody else";
+  const fs::path planted = snapshot / SegmentLog::NameOf(999);
+  const auto refused = [&](const char* kind) {
+    const ToolOutput output = RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"});
+    EXPECT_EQ(output.exit_code, 2) << kind;
+    EXPECT_THAT(output.err, HasSubstr(planted.string())) << kind;
+    EXPECT_EQ(OpenTable()->stats().frames_held, 600u) << "the run is as it was";
+    EXPECT_FALSE(fs::exists(run_ / "replay.restored"));
+    fs::remove(planted);
+  };
+  fs::create_symlink(secret, planted);
+  refused("link");
+  ASSERT_EQ(mkfifo(planted.c_str(), 0600), 0);
+  refused("FIFO");
+  fs::create_directory(planted);
+  refused("folder");
+  std::ofstream(snapshot / "notes.txt") << "mine";
+  fs::create_symlink(secret, snapshot / "link");
+  ASSERT_EQ(RunTool({"restore", "--run-dir", run_.string(), "--snapshot", "good"}).exit_code, 0);
+  EXPECT_EQ(OpenTable()->stats().frames_held, 300u);
+  EXPECT_FALSE(fs::exists(shard_ / "notes.txt"));
+  EXPECT_FALSE(fs::exists(fs::symlink_status(shard_ / "link")));
 }
 
 TEST_F(SnapshotTools, OldAutomaticSnapshotsGoAndNamedOnesStay) {

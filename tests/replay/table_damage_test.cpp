@@ -1,9 +1,14 @@
 // What a restart finds after damage: whatever is whole, once, and nothing else.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 
+#include "replay/storage/segment_format.h"
 #include "replay/storage/segment_log.h"
+#include "tests/common/util/captured_log.h"
 #include "tests/replay/table_recovery_fixture.h"
 
 namespace dadrl {
@@ -90,7 +95,7 @@ TEST_F(TableDamage, ADamagedRecordCostsItsChunkAndNothingElse) {
   for (const auto& [first, rewards] : DrawAll(*table)) {
     // No slice bridges the hole.
     if (rewards.size() == 2) {
-      EXPECT_EQ(rewards[1], first + 1.0f);
+      EXPECT_EQ(rewards[1], first + kTestScale);
     }
   }
 }
@@ -148,6 +153,31 @@ TEST_F(TableDamage, HundredsOfRandomDamagesCostTheirChunksAndNothingElse) {
     const uint64_t lost = cut > 0 ? cut / (record - 64) + 1 : flips;
     EXPECT_GE(found.size() + lost, kChunks) << "case " << damage;
   }
+}
+
+TEST_F(TableDamage, WhatIsNoFileOfOursIsLeftAlone) {
+  {
+    auto table = Open();
+    Store(*table, 1, 6);
+  }
+  namespace fs = std::filesystem;
+  const MemoryFolder elsewhere;
+  const fs::path secret = elsewhere.path() / "secret";
+  std::ofstream(secret) << "of somebody else";
+  const auto named = [&](uint64_t id) { return folder_.path() / SegmentLog::NameOf(id); };
+  fs::create_symlink(secret, named(20));
+  ASSERT_EQ(mkfifo(named(21).c_str(), 0600), 0);
+  fs::create_directory(named(22));
+  std::ofstream(named(23)) << "sparse";
+  fs::resize_file(named(23), kMaxSegmentBytes + 1);
+  const CapturedLog log;
+  auto table = Open();
+  EXPECT_EQ(table->stats().frames_held, 30u);
+  for (const uint64_t id : {20, 21, 22, 23}) EXPECT_THAT(log.text(), testing::HasSubstr(named(id).string()));
+  Store(*table, 7, 8);
+  EXPECT_EQ(fs::file_size(secret), 16u);
+  EXPECT_TRUE(fs::is_symlink(named(20)) && fs::is_fifo(named(21)) && fs::is_directory(named(22)));
+  EXPECT_EQ(fs::file_size(named(23)), kMaxSegmentBytes + 1);
 }
 
 }  // namespace

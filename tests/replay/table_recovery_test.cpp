@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
+#include "tests/common/util/captured_log.h"
 #include "tests/replay/table_recovery_fixture.h"
 
 namespace dadrl {
@@ -62,6 +64,40 @@ TEST_F(TableRecovery, ACleanStopRestoresTheCounters) {
   EXPECT_EQ(table->stats().inserted_frames, 20u);
 }
 
+TEST_F(TableRecovery, StoredRewardsThatTheTaskCannotGiveAreDroppedWithACount) {
+  TableOptions any = Options(folder_.path());
+  any.bounds.reward = INFINITY;  // as replays that did not look have stored them
+  {
+    auto table = Open(any);
+    Store(*table, 1, 2);
+    TestChunk huge = ChunkOf(3);
+    huge.last_reward = 1e30f;
+    ASSERT_EQ(table->Insert(Build(huge)), Insertion::kStored);
+    huge = ChunkOf(4);
+    huge.last_reward = 3e38f;
+    ASSERT_EQ(table->Insert(Build(huge)), Insertion::kStored);
+    Store(*table, 5, 6);
+  }
+  const CapturedLog log;
+  auto table = Open();
+  EXPECT_EQ(table->stats().frames_held, 20u);
+  EXPECT_THAT(log.text(), testing::HasSubstr("and 2 unusable chunks"));
+  for (const auto& [first, rewards] : DrawAll(*table)) {
+    for (const float reward : rewards) EXPECT_LE(std::abs(reward), 5.56f);
+  }
+  EXPECT_EQ(table->Stored(1, 7), 6u) << "the actor goes on behind them";
+}
+
+TEST_F(TableRecovery, WhatAnotherTaskCouldGiveStaysOnDisk) {
+  TableOptions any = Options(folder_.path());
+  any.bounds.reward = INFINITY;
+  TestChunk huge = ChunkOf(1);
+  huge.last_reward = 100.0f;
+  ASSERT_EQ(Open(any)->Insert(Build(huge)), Insertion::kStored);
+  EXPECT_EQ(Open()->stats().frames_held, 0u);
+  EXPECT_EQ(Open(any)->stats().frames_held, 5u);
+}
+
 // Key and probability of everything that is drawn in proportion to its priority.
 std::map<float, float> Probabilities(ReplayTable& table) {
   std::map<float, float> probabilities;
@@ -103,6 +139,28 @@ TEST_F(TableRecovery, PrioritiesSurviveAndWhatCameLaterStartsAtTheHighest) {
   const float scale = after.begin()->second / before.begin()->second;
   for (const auto& [reward, probability] : before) EXPECT_FLOAT_EQ(after.at(reward), scale * probability);
   for (uint32_t frame = 0; frame < 10; ++frame) EXPECT_EQ(after.at(TestReward(1, 3, frame)), highest);
+}
+
+TEST_F(TableRecovery, PrioritiesBeyondTheBoundCountAsTheBound) {
+  TableOptions options = Options(folder_.path());
+  options.replay.sampler = SamplerKind::kPrioritized;
+  options.replay.priority_exponent = 1.0;
+  options.replay.max_times_sampled = 0;
+  options.bounds.priority = INFINITY;
+  {
+    auto table = Open(options);
+    Store(*table, 1, 2);
+    const auto batch = table->Sample(1, 1, 0).value();
+    table->UpdatePriorities({{batch.items[0].key}}, {{3e38f}});
+    ASSERT_TRUE(table->SaveState());
+  }
+  options.bounds.priority = 4.0;
+  auto table = Open(options);
+  const auto probabilities = Probabilities(*table);
+  EXPECT_EQ(probabilities.size(), 10u);
+  float highest = 0.0f;
+  for (const auto& [reward, probability] : probabilities) highest = std::max(highest, probability);
+  EXPECT_NEAR(highest, 4.0f / (4.0f + 9 * 1.0f), 1e-6f);
 }
 
 TEST_F(TableRecovery, WhatWasSampledOftenEnoughOrRemovedStaysAway) {

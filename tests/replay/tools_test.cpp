@@ -66,7 +66,7 @@ TEST_F(ToolsTest, VerifyNamesFileAndOffsetOfDamageAndMendsNothing) {
   const fs::path segment = FirstSegment();
   std::string bytes = FileBytes(segment);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
-  bytes.resize(bytes.size() - 5);
+  bytes.resize(bytes.size() - 16);  // more than padding
   std::ofstream(segment, std::ios::binary) << bytes;
   const ToolOutput damaged = RunTool({"verify", run_.string(), "--json"});
   EXPECT_EQ(damaged.exit_code, 1);
@@ -99,6 +99,22 @@ TEST_F(ToolsTest, VerifyFindsAFrameThatDoesNotDecodeBehindSoundChecksums) {
   const ToolOutput output = RunTool({"verify", run_.string()});
   EXPECT_EQ(output.exit_code, 1);
   EXPECT_THAT(output.out, HasSubstr("actor 1, episode 0, frame 0"));
+}
+
+TEST_F(ToolsTest, VerifyNamesRewardsThatTheTaskCannotGive) {
+  TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}};
+  options.bounds.reward = INFINITY;
+  // A reward of about a thousand: possible for some task, not for the default one.
+  const auto chunk = MakeSyntheticChunk(kSpec, {.identity = {1, 5, 1}, .episode = 1 << 20, .frames = 3});
+  ASSERT_TRUE(ReplayTable::Open(options, clock_).value()->Insert(chunk));
+  EXPECT_EQ(RunTool({"verify", run_.string()}).exit_code, 0) << "nothing says which task it is of";
+  std::ofstream(run_ / "config.yaml") << "scenario: left_turn\n";
+  for (const fs::path& folder : {run_, run_ / "replay", shard_}) {
+    const ToolOutput output = RunTool({"verify", folder.string()});
+    EXPECT_EQ(output.exit_code, 1);
+    EXPECT_THAT(output.out, HasSubstr("offset 64,"));
+    EXPECT_THAT(output.out, HasSubstr("actor 1, episode 1048576, frame 0: reward 1024 is beyond 5.56"));
+  }
 }
 
 class RoundTrip : public ToolsTest, public testing::WithParamInterface<FloatCoding> {};
@@ -296,7 +312,12 @@ TEST_F(ToolsTest, WrongUsageIsOneLine) {
   fails({"verify", At("empty")}, 1, "holds no stored experience");
   fails({"inspekt", At("empty")}, 2, "the nearest is 'inspect'");
   fails({"export", At("empty")}, 2, "--out");
-  fails({"restore", "--run-dir", At("empty"), "--snapshot", "../x"}, 2, "snapshot name");
+  for (const std::string& name : {std::string("../x"), std::string("/tmp/x"), std::string("''"),
+                                  std::string("a/../../b"), std::string(300, 'x'), std::string(".")}) {
+    fails({"restore", "--run-dir", At("empty"), "--snapshot", name}, 2, "snapshot name");
+    fails({"snapshot", "--run-dir", At("empty"), "--name", name}, 2, name == "''" ? "config.yaml" : "name");
+  }
+  fails({"restore", "--run-dir", At("empty"), "--snapshot", "$(printf 'x\\033[31m')"}, 2, "'x\\x1b[31m'");
   fails({"limit", "--run-dir", At("empty")}, 2, "config.yaml");
   fails({"limit", "--run-dir", At("empty"), "--samples-per-insert", "many"}, 2, "--samples-per-insert");
 }

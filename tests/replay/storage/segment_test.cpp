@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 
+#include "replay/storage/segment_format.h"
 #include "replay/storage/segment_log.h"
 #include "tests/replay/test_chunks.h"
 
@@ -75,6 +76,17 @@ TEST_F(SegmentFile, ComesBackWhole) {
   const Contents contents = Read(path_);
   EXPECT_EQ(contents.records, records_);
   EXPECT_EQ(contents.scan.dropped_bytes, 0u);
+}
+
+TEST(SegmentName, EachIdHasOne) {
+  EXPECT_EQ(SegmentLog::IdOf("run/segment-000000000001.log"), 1u);
+  EXPECT_EQ(SegmentLog::IdOf(SegmentLog::NameOf(kMaxSegmentId)), kMaxSegmentId);
+  for (const char* name :
+       {"segment-1.log", "segment-0000000000001.log", "segment-000000000000.log", "segment-004294967296.log",
+        "segment-18446744073709551617.log", "segment--00000000001.log", "segment-000000000001x.log",
+        "segment-.log", "segment-000000000001.log.old", "state"}) {
+    EXPECT_EQ(SegmentLog::IdOf(name), std::nullopt) << name;
+  }
 }
 
 TEST_F(SegmentFile, AfterTruncationAtAnyByteTheWholeRecordsAreThereAndTheTornEndIsCut) {
