@@ -1,7 +1,7 @@
 # Compiler settings and the three functions every folder uses:
 #   dadrl_library(NAME SOURCES ... LINK ...)     static library dadrl_NAME
 #   dadrl_executable(NAME SOURCES ... LINK ...)  build/<preset>/bin/NAME
-#   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...])  GoogleTest binary, each case registered with CTest
+#   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...] [PREFIX ...])  GoogleTest binary, each case registered with CTest
 # PLAIN_HEADERS leaves the precompiled headers out (DadrlHeaders.cmake): for sources with flags of their own.
 
 set(CMAKE_CXX_STANDARD 20)
@@ -66,7 +66,7 @@ function(dadrl_executable NAME)
 endfunction()
 
 function(dadrl_test NAME)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;PREFIX" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -77,7 +77,7 @@ function(dadrl_test NAME)
   # Processes that a test starts inherit it.
   set(LEAKS "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan_suppressions.txt:print_suppressions=0")
   set(RACES "TSAN_OPTIONS=set:suppressions=${PROJECT_SOURCE_DIR}/tests/tsan_suppressions.txt")
-  gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
+  gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${ARG_PREFIX}"
                        PROPERTIES ENVIRONMENT "${LEAKS}" ENVIRONMENT_MODIFICATION "${RACES}"
                                   TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()

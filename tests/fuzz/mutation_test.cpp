@@ -1,65 +1,78 @@
-// A fixed number of mutated inputs for every decoder, the same ones each time: the fuzzer's share of every
-// build.
+// The fuzzer's share of every build: the seeds, and a fixed number of damaged ones, the same each time.
 #include <gtest/gtest.h>
 
-#include "common/util/random.h"
-#include "tests/fuzz/decoders.h"
+#include <iterator>
 
-namespace dadrl {
+#include "common/util/random.h"
+#include "tests/fuzz/harness.h"
+
+namespace dadrl::fuzz {
 namespace {
 
-constexpr int kMutants = 300000;
-
-// One to four small damages of the kinds that break decoders.
-std::vector<uint8_t> Mutate(const std::vector<std::vector<uint8_t>>& seeds, Random& random) {
-  std::vector<uint8_t> input = seeds[random.Below(seeds.size())];
+// One small damage of the kinds that break decoders.
+void Damage(Bytes& input, const std::vector<Bytes>& seeds, Random& random) {
   constexpr uint8_t kInteresting[] = {0, 1, 0x7f, 0x80, 0xff};
-  for (uint64_t edits = 1 + random.Below(4); edits > 0 && input.size() > 1; --edits) {
-    const size_t at = 1 + random.Below(input.size() - 1);
-    const auto place = input.begin() + static_cast<ptrdiff_t>(at);
-    switch (random.Below(6)) {
-      case 0:
-        input[at] ^= static_cast<uint8_t>(1u << random.Below(8));
-        break;
-      case 1:
-        input[at] = kInteresting[random.Below(std::size(kInteresting))];
-        break;
-      case 2:
-        input.resize(at);
-        break;
-      case 3:
-        input.erase(place);
-        break;
-      case 4:
-        input.insert(place, static_cast<uint8_t>(random.Next()));
-        break;
-      default: {
-        const auto& other = seeds[random.Below(seeds.size())];
-        const size_t length = std::min<size_t>(1 + random.Below(16), input.size() - at);
-        const size_t from = random.Below(other.size());
-        for (size_t i = 0; i < length; ++i) input[at + i] = other[(from + i) % other.size()];
-      }
+  const auto byte = [](uint64_t value) { return static_cast<std::byte>(value & 0xff); };
+  const size_t at = random.Below(input.size());
+  const auto place = input.begin() + static_cast<ptrdiff_t>(at);
+  switch (random.Below(7)) {
+    case 0:
+      input[at] ^= byte(uint64_t{1} << random.Below(8));
+      break;
+    case 1:
+      input[at] = byte(kInteresting[random.Below(std::size(kInteresting))]);
+      break;
+    case 2:
+      input.resize(at);
+      break;
+    case 3:
+      input.erase(place);
+      break;
+    case 4:
+      input.insert(place, byte(random.Next()));
+      break;
+    case 5:  // a whole number at its largest
+      for (size_t i = at; i < std::min(at + 8, input.size()); ++i) input[i] = std::byte{0xff};
+      break;
+    default: {  // a piece of another input
+      const Bytes& other = seeds[random.Below(seeds.size())];
+      const size_t length = std::min<size_t>(1 + random.Below(16), input.size() - at);
+      const size_t from = random.Below(other.size());
+      for (size_t i = 0; i < length; ++i) input[at + i] = other[(from + i) % other.size()];
     }
   }
-  return input;
 }
 
-TEST(DecoderMutation, NoInputBreaksADecoder) {
-  const auto seeds = SeedInputs();
-  ASSERT_FALSE(seeds.empty());
-  for (const auto& seed : seeds) EXPECT_TRUE(CheckDecoder(seed)) << "decoder " << int{seed[0]};
+TEST(Mutation, SeedsAreTakenOrRefusedAsTheySay) {
+  const Seeds seeds = MakeSeeds();
+  ASSERT_FALSE(seeds.accepted.empty());
+  for (size_t i = 0; i < seeds.accepted.size(); ++i) EXPECT_TRUE(CheckGuarded(seeds.accepted[i])) << i;
+  for (size_t i = 0; i < seeds.refused.size(); ++i) EXPECT_FALSE(CheckGuarded(seeds.refused[i])) << i;
+}
+
+TEST(Mutation, NoDamageBreaksTheDecoder) {
+  Seeds seeds = MakeSeeds();
+  std::vector<Bytes> all = std::move(seeds.accepted);
+  std::erase_if(seeds.refused, [](const Bytes& input) { return input.empty(); });
+  all.insert(all.end(), seeds.refused.begin(), seeds.refused.end());
   Random random(20240607);
-  for (int i = 0; i < kMutants; ++i) CheckDecoder(Mutate(seeds, random));
+  for (int i = 0; i < kMutants; ++i) {
+    Bytes input = all[random.Below(all.size())];
+    for (uint64_t edits = 1 + random.Below(4); edits > 0 && !input.empty(); --edits) {
+      Damage(input, all, random);
+    }
+    CheckGuarded(input);
+  }
 }
 
-TEST(DecoderMutation, PureNoiseBreaksNoDecoder) {
+TEST(Mutation, NoNoiseBreaksTheDecoder) {
   Random random(1);
   for (int i = 0; i < kMutants / 4; ++i) {
-    std::vector<uint8_t> input(random.Below(400));
-    for (uint8_t& byte : input) byte = static_cast<uint8_t>(random.Next());
-    CheckDecoder(input);
+    Bytes input(random.Below(400));
+    for (std::byte& byte : input) byte = static_cast<std::byte>(random.Next() & 0xff);
+    CheckGuarded(input);
   }
 }
 
 }  // namespace
-}  // namespace dadrl
+}  // namespace dadrl::fuzz
