@@ -43,6 +43,7 @@ Result<FileDescriptor> FileDescriptor::Open(const std::filesystem::path& path, i
   if (fd < 0 && errno == ELOOP && links == Links::kRefuse)
     return Refused(path, "a link, which is not followed");
   if (fd < 0 && errno == ENXIO) return Refused(path, "a FIFO or a socket, a regular file is needed");
+  if (fd < 0 && errno == EISDIR) return Refused(path, KindOf(S_IFDIR));
   if (fd < 0) return tl::unexpected<Error>(IoError("open", path, errno));
   FileDescriptor file(fd);
   struct stat info {};
