@@ -75,6 +75,7 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
     auto opened = Segment::Open(path, id, options_.schema, options_.force);
     if (!opened && opened.error().code == ErrorCode::kInvalidArgument) {
       ++recovery.refused_files;
+      next_id_ = id + 1;  // it stands where a segment of this id would
       spdlog::warn("left alone: {}", opened.error().message);
       continue;
     }
