@@ -42,6 +42,26 @@ int Print(const std::map<uint32_t, Answer>& answers, bool json) {
   return all_done ? 0 : 1;
 }
 
+// Who did not answer, and what that means.
+tl::unexpected<Error> Silence(const std::map<uint32_t, Answer>& heard, const Config& config,
+                              const std::filesystem::path& run_directory, int listening) {
+  const auto shards = static_cast<uint32_t>(config.replay.shards);
+  if (listening < config.replay.shards) {
+    return Fail(ErrorCode::kUnavailable,
+                "{} of {} replay shards of {} listen at {}:{}; is the training running?", listening, shards,
+                run_directory.string(), config.cluster.host, config.cluster.port);
+  }
+  std::string silent;
+  for (uint32_t shard = 0; shard < shards; ++shard) {
+    if (!heard.contains(shard)) silent += fmt::format("{}{}", silent.empty() ? "" : ", ", shard);
+  }
+  return Fail(
+      ErrorCode::kUnavailable,
+      "replay shard {} was not done within {:.0f} s: its disk is slow, or it is stopped; it may still do "
+      "what was asked, and says so in {}",
+      silent, ToSeconds(kPatience), (run_directory / "logs").string());
+}
+
 }  // namespace
 
 Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_ReplayCommand command,
@@ -75,10 +95,7 @@ Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_Repl
       heard[answer.shard] = {answer.done, Shown(answer.text, sizeof(answer.text))};
     });
   }
-  if (heard.size() < shards) {
-    return Fail(ErrorCode::kUnavailable, "{} of {} replay shards of {} answered; is the training running?",
-                heard.size(), shards, run_directory.string());
-  }
+  if (heard.size() < shards) return Silence(heard, config, run_directory, commands->matched());
   return Print(heard, json);
 }
 

@@ -94,7 +94,8 @@ TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheR
   })) << told;
   // Once the second is answered, what was due before the first is done.
   for (int i = 0; i < 2; ++i) {
-    const ToolOutput limit = RunTool({"limit", "--min-size", "4", "--run-dir", run.string()});
+    const ToolOutput limit =
+        RunTool({"limit", "--min-size", std::to_string(5 + i), "--run-dir", run.string()});
     ASSERT_EQ(limit.exit_code, 0) << limit.err << replay_->Log();
   }
   EXPECT_THAT(replay_->Log(), testing::Not(testing::HasSubstr("snapshots hold"))) << "just the bound";

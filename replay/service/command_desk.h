@@ -1,0 +1,63 @@
+// What a user asks of a running shard (`dadrl replay limit | snapshot`): taken, done and answered without
+// anyone else's waiting for it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/dds/endpoint.h"
+#include "common/util/result.h"
+#include "proto/topics.h"
+#include "replay/service/keeper.h"
+#include "replay/table.h"
+
+namespace dadrl {
+
+// Not thread safe; never blocks. What needs the disk is the keeper's to do, in its turn; a command is
+// answered once that is done, and again whenever it is repeated. Bounded: the last kRemembered commands.
+class CommandDesk {
+ public:
+  static constexpr size_t kRemembered = 64;
+
+  // Borrows `table` and `keeper`. `on_limit` is called after the rate limiter changed: both sides may be
+  // waiting.
+  static Result<std::unique_ptr<CommandDesk>> Create(const dds::Node& node, uint32_t shard,
+                                                     ReplayTable& table, Keeper& keeper,
+                                                     std::function<void()> on_limit);
+  // Takes what has arrived, answers what is done.
+  void Serve();
+
+ private:
+  using CommandReader = dds::Reader<dadrl_idl_ReplayCommand>;
+  using AnswerWriter = dds::Writer<dadrl_idl_ReplayAnswer>;
+  using Outcome = Result<std::string>;
+  struct Known {
+    uint64_t command = 0;
+    std::optional<Outcome> outcome{};  // nothing: the keeper is at it
+  };
+
+  CommandDesk(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers, uint32_t shard,
+              ReplayTable& table, Keeper& keeper, std::function<void()> on_limit);
+  void OnCommand(const dadrl_idl_ReplayCommand& command);
+  // The outcome, if there is one at once.
+  std::optional<Outcome> Begin(const dadrl_idl_ReplayCommand& command);
+  std::optional<Outcome> ChangeLimit(const dadrl_idl_ReplayCommand& command);
+  // Nothing, or that too much is to be done already.
+  std::optional<Outcome> GiveToKeeper(uint64_t command, std::function<Outcome()> work);
+  void OnDone(uint64_t command, Outcome outcome);
+  void Answer(const Known& known);
+
+  const std::unique_ptr<CommandReader> commands_;
+  const std::unique_ptr<AnswerWriter> answers_;
+  const uint32_t shard_;
+  ReplayTable& table_;
+  Keeper& keeper_;
+  const std::function<void()> on_limit_;
+  std::deque<Known> known_;
+};
+
+}  // namespace dadrl
