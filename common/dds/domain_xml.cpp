@@ -24,7 +24,8 @@ std::string PeersXml(const ClusterConfig& cluster, int replay_shards, Role role,
     candidate.port = kFirstPort + block * kPortBlock;
     peers += PeerXml(candidate, plane, 0);
   }
-  for (int place = 0; cluster.port > 0 && place <= replay_shards; ++place) {
+  const int places = replay_shards + (Uses(Role::kLearner, plane) ? 1 : 0);
+  for (int place = 0; cluster.port > 0 && place < places; ++place) {
     if (IsService(role) && place == PlaceOf(role, index, replay_shards)) continue;
     peers += PeerXml(cluster, plane, place);
   }
@@ -73,10 +74,22 @@ std::string InternalXml(int64_t receive_buffer_bytes) {
 
 bool IsService(Role role) { return role == Role::kReplay || role == Role::kLearner; }
 
+bool Uses(Role role, Plane plane) {
+  switch (plane) {
+    case Plane::kExperience:
+      return role == Role::kReplay || role == Role::kActor;
+    case Plane::kControl:
+      return true;
+    case Plane::kBatches:
+      return role == Role::kReplay || role == Role::kLearner;
+  }
+  return false;
+}
+
 int PlaceOf(Role role, int index, int replay_shards) { return role == Role::kReplay ? index : replay_shards; }
 
 int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place) {
-  return cluster.port + 100 * static_cast<int>(plane) + 10 + 2 * place;
+  return cluster.port + kPlanePorts * static_cast<int>(plane) + 10 + 2 * place;
 }
 
 std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role, int index, Plane plane,
@@ -92,7 +105,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "<General>{}</General>"
       "<Discovery><Tag>{}</Tag><ExternalDomainId>{}</ExternalDomainId><ParticipantIndex>{}</ParticipantIndex>"
       "<Peers>{}</Peers><LeaseDuration>{} s</LeaseDuration><SPDPInterval>1 s</SPDPInterval>"
-      "<Ports><Base>{}</Base><DomainGain>100</DomainGain><ParticipantGain>2</ParticipantGain>"
+      "<Ports><Base>{}</Base><DomainGain>{}</DomainGain><ParticipantGain>2</ParticipantGain>"
       "<MulticastMetaOffset>0</MulticastMetaOffset><MulticastDataOffset>1</MulticastDataOffset>"
       "<UnicastMetaOffset>10</UnicastMetaOffset><UnicastDataOffset>11</UnicastDataOffset></Ports></Discovery>"
       "<Internal>{}</Internal>"
@@ -100,7 +113,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
       "</Domain></CycloneDDS>",
       GeneralXml(cluster, place), place.tag, static_cast<int>(plane), participant,
       PeersXml(cluster, replay_shards, role, index, plane), cluster.lease_s,
-      cluster.port > 0 ? cluster.port : kFirstPort, InternalXml(cluster.receive_buffer_bytes));
+      cluster.port > 0 ? cluster.port : kFirstPort, kPlanePorts, InternalXml(cluster.receive_buffer_bytes));
 }
 
 }  // namespace dadrl::dds

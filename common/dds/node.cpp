@@ -123,7 +123,8 @@ Result<std::unique_ptr<Node>> Node::Create(const ClusterConfig& config, int repl
 
   std::unique_ptr<Node> node(new Node(cluster, place.address));
   WarnOfSmallReceiveBuffer(cluster.receive_buffer_bytes);
-  for (const Plane plane : {Plane::kData, Plane::kControl}) {
+  for (const Plane plane : kPlanes) {
+    if (!Uses(role, plane)) continue;
     if (IsService(role)) {
       DADRL_RETURN_IF_ERROR(CheckPortsFree(cluster, PlaceOf(role, index, replay_shards), plane));
     }

@@ -1,6 +1,8 @@
-// One process's place in the cluster: a participant in the data domain and one in the control domain.
+// One process's place in the cluster: a participant in each domain that its role uses.
 //
-// Two domains, because a full reader starves every other topic that its process receives in the same domain.
+// Three domains, because a full reader starves every other topic that its process receives in the same
+// domain, the acknowledgements of what it sends there included: a replay that cannot store for a while would
+// send no batches either. Nothing in the control domain can be full (topic.h).
 // Discovery is a star of unicast peers: replay shards and the learner stand at known ports, actors take any
 // port and know only those.
 #pragma once
@@ -20,24 +22,29 @@
 namespace dadrl::dds {
 
 enum class Role : uint32_t { kReplay = 0, kLearner = 1, kActor = 2, kMonitor = 3 };
-enum class Plane { kData, kControl };
+// A DDS domain: experience to the replay, batches from it, and all the small rest.
+enum class Plane { kExperience, kControl, kBatches };
+constexpr std::array kPlanes = {Plane::kExperience, Plane::kControl, Plane::kBatches};
 
 // Most replay shards that the ports of a cluster have room for.
-constexpr int kMaxShards = 32;
-// Ports that a cluster owns from ClusterConfig::port on.
+constexpr int kMaxShards = 24;
+// Ports that a cluster owns from ClusterConfig::port on, and those of one plane among them.
 constexpr int kPortBlock = 200;
+constexpr int kPlanePorts = 60;
 
 // Replay shards and the learner: those that others find at well-known ports.
 bool IsService(Role role);
 // Where a service stands among them: shard i at i, the learner after the last shard.
 int PlaceOf(Role role, int index, int replay_shards);
+// Whether processes of this role take part in the plane.
+bool Uses(Role role, Plane plane);
 
 // Where FindFreePort looks: below the ports that Linux hands out by itself (32768 and up), so that a block
 // stays free once it is chosen.
 constexpr int kFirstPort = 10000;
 constexpr int kBlocks = 113;
 
-// Well-known ports stand at base + 100 * plane + 10 + 2 * place (discovery) and one above (data).
+// Well-known ports stand at base + kPlanePorts * plane + 10 + 2 * place (discovery) and one above (data).
 int WellKnownPort(const ClusterConfig& cluster, Plane plane, int place);
 
 // How one process stands in the network.
@@ -70,6 +77,7 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
+  // 0 in a plane that the role does not use.
   dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }
   double liveliness_s() const { return liveliness_s_; }
   // kUnavailable when this machine no longer has the node's address and reaches the cluster from another:
@@ -87,7 +95,7 @@ class Node {
   Node(const ClusterConfig& cluster, std::string address)
       : host_(cluster.host), address_(std::move(address)), liveliness_s_(cluster.liveliness_s) {}
 
-  std::array<Domain, 2> planes_{};
+  std::array<Domain, kPlanes.size()> planes_{};
   std::string host_;     // the cluster's, in dotted form
   std::string address_;  // this node's
   double liveliness_s_;

@@ -76,7 +76,9 @@ Qos WriterQos(const TopicSpec& topic, double liveliness_s) {
 
 Qos ReaderQos(const TopicSpec& topic, double liveliness_s) {
   Qos qos = CommonQos(topic, liveliness_s);
-  if (topic.keep_all && topic.reader_max_samples > 0) {
+  if (topic.reader_keeps_last > 0) {
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.reader_keeps_last);
+  } else if (topic.keep_all && topic.reader_max_samples > 0) {
     dds_qset_resource_limits(qos.get(), topic.reader_max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
   return qos;

@@ -15,8 +15,13 @@ struct TopicSpec {
   bool reliable = true;
   bool keep_all = true;  // else KEEP_LAST of `depth`
   int depth = 1;
-  bool transient_local = false;    // a late reader gets the newest
-  int reader_max_samples = 0;      // of a KEEP_ALL reader: the transport's backpressure; 0: unlimited
+  bool transient_local = false;  // a late reader gets the newest
+  // Of a KEEP_ALL topic's reader: the transport's backpressure, which holds up all that its process receives
+  // in the same plane; 0: unlimited.
+  int reader_max_samples = 0;
+  // Instead of it: the reader keeps the newest so many of each key and lets go of older ones that were not
+  // taken, so that it is never full. For what its sender repeats or can do without.
+  int reader_keeps_last = 0;
   int max_blocking_ms = 100;       // of a reliable write
   bool manual_liveliness = false;  // lease of ClusterConfig::liveliness_s, by topic; else automatic, infinite
   int partition = -1;              // only endpoints of the same partition match; -1: the default one

@@ -6,11 +6,13 @@
 namespace dadrl {
 namespace {
 
-// The first taken one of the fixed ports of replay shards and learner in both domains (common/dds/node.h).
+// The first taken one of the fixed ports of replay shards and learner in all domains (common/dds/node.h).
 std::optional<int> TakenPort(int base, int shards) {
-  for (const int plane : {0, 1}) {
+  ClusterConfig cluster;
+  cluster.port = base;
+  for (const dds::Plane plane : dds::kPlanes) {
     for (int place = 0; place <= shards; ++place) {
-      const int port = base + 100 * plane + 10 + 2 * place;
+      const int port = dds::WellKnownPort(cluster, plane, place);
       for (const int offset : {0, 1}) {
         if (!dds::IsUdpPortFree(port + offset)) return port + offset;
       }

@@ -38,7 +38,7 @@ inline dds_test_Blob MakeBlob(uint32_t number, std::vector<uint8_t>& bytes) {
 
 inline const TopicSpec kStream{.name = "test/stream",
                                .type = &dds_test_Blob_desc,
-                               .plane = Plane::kData,
+                               .plane = Plane::kExperience,
                                .reader_max_samples = 8,
                                .max_blocking_ms = 50};
 inline const TopicSpec kNewest{.name = "test/newest",

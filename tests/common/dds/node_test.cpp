@@ -22,8 +22,8 @@ TEST(DomainXml, ActorsKnowTheServicesAndNobodyElse) {
   ClusterConfig cluster;
   cluster.port = 20000;
   const std::string xml = DomainXml(cluster, 2, Role::kActor, 7, Plane::kControl, {.address = "127.0.0.1"});
-  EXPECT_THAT(xml, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20110\"/><Peer Address=\"127.0.0.1:20112\"/>"
-                             "<Peer Address=\"127.0.0.1:20114\"/></Peers>"));
+  EXPECT_THAT(xml, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20070\"/><Peer Address=\"127.0.0.1:20072\"/>"
+                             "<Peer Address=\"127.0.0.1:20074\"/></Peers>"));
   EXPECT_THAT(xml, HasSubstr("<ParticipantIndex>none</ParticipantIndex>"));
 }
 
@@ -31,21 +31,22 @@ TEST(DomainXml, ServicesStandAtTheirPlaceAndKnowEachOther) {
   ClusterConfig cluster;
   cluster.port = 20000;
   const std::string learner =
-      DomainXml(cluster, 2, Role::kLearner, 0, Plane::kData, {.address = "127.0.0.1"});
+      DomainXml(cluster, 2, Role::kLearner, 0, Plane::kBatches, {.address = "127.0.0.1"});
   EXPECT_THAT(learner, HasSubstr("<ParticipantIndex>2</ParticipantIndex>"));
-  EXPECT_THAT(learner, Not(HasSubstr(":20014")));
-  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kData, {.address = "127.0.0.1"});
+  EXPECT_THAT(learner, Not(HasSubstr(":20134")));
+  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kExperience, {.address = "127.0.0.1"});
   EXPECT_THAT(shard, HasSubstr("<ParticipantIndex>1</ParticipantIndex>"));
-  EXPECT_THAT(shard, HasSubstr("<Peer Address=\"127.0.0.1:20010\"/><Peer Address=\"127.0.0.1:20014\"/>"));
+  EXPECT_THAT(shard, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20010\"/></Peers>"))
+      << "a learner has no part in it";
 }
 
 TEST(DomainXml, FragmentsAreLargeOnLoopbackOnly) {
   ClusterConfig cluster;
-  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, {.address = "127.0.0.1", .mtu = 65536}),
+  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kExperience, {.address = "127.0.0.1", .mtu = 65536}),
               HasSubstr("65000 B"));
   cluster.host = "10.0.0.1";
   const std::string xml =
-      DomainXml(cluster, 1, Role::kActor, 0, Plane::kData, {.address = "10.0.0.2", .mtu = 1400});
+      DomainXml(cluster, 1, Role::kActor, 0, Plane::kExperience, {.address = "10.0.0.2", .mtu = 1400});
   EXPECT_THAT(xml, HasSubstr("<MaxMessageSize>1372 B</MaxMessageSize><MaxRexmitMessageSize>1372 B<"));
   EXPECT_THAT(xml, HasSubstr("<FragmentSize>1212 B"));
 }
@@ -75,7 +76,7 @@ TEST(Node, NamesThePortThatIsTaken) {
   const auto second = Node::Create(cluster, 1, Role::kLearner, 0);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
-  EXPECT_THAT(second.error().message, HasSubstr(std::to_string(cluster.port + 12)));
+  EXPECT_THAT(second.error().message, HasSubstr(std::to_string(cluster.port + kPlanePorts + 12)));
   EXPECT_THAT(second.error().message, HasSubstr("cluster.port"));
 }
 
