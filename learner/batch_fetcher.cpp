@@ -37,7 +37,7 @@ Result<std::unique_ptr<BatchFetcher<Batch>>> BatchFetcher<Batch>::Create(
   DADRL_ASSIGN_OR_RETURN(endpoints.replies,
                          dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
-                         PrioritySender::Create(node, ExperienceBounds::From(config).priority));
+                         PrioritySender::Create(node, incarnation, ExperienceBounds::From(config).priority));
   return std::unique_ptr<BatchFetcher<Batch>>(
       new BatchFetcher(std::move(endpoints), config, incarnation, std::move(newest_version), options));
 }
@@ -153,6 +153,8 @@ void BatchFetcher<Batch>::SendDue() {
     sample.shard = request.shard;
     sample.learner = incarnation_;
     sample.request = request.number;
+    sample.oldest_open = book_.oldest_open(request.shard);
+    sample.protocol = kProtocolVersion;
     BatchKind<Batch>::Describe(config_, sample);
     sample.schema = schema_;
     sample.policy_version = newest_version_();
@@ -187,9 +189,8 @@ void BatchFetcher<Batch>::OnReply(const dadrl_idl_BatchReply& reply) {
 template <typename Batch>
 void BatchFetcher<Batch>::OnRefusal(const dadrl_idl_BatchReply& reply) {
   MutexLock lock(mutex_);
-  status_ = Fail(ErrorCode::kInvalidArgument,
-                 "replay {} refuses to serve this learner: {}; start both with the configuration of the run",
-                 reply.shard, Shown(reply.refusal, sizeof(reply.refusal)));
+  status_ = Fail(ErrorCode::kInvalidArgument, "replay {} refuses to serve this learner: {}", reply.shard,
+                 Shown(reply.refusal, sizeof(reply.refusal)));
   stopping_.store(true);
 }
 

@@ -4,13 +4,18 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node, double most) {
+Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node, uint64_t incarnation,
+                                                               double most) {
   DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
-  return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer), most));
+  return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer), incarnation, most));
 }
 
-PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, double most)
-    : writer_(std::move(writer)), most_(static_cast<float>(most)), messages_(kMessages) {
+PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer,
+                               uint64_t incarnation, double most)
+    : writer_(std::move(writer)),
+      incarnation_(incarnation),
+      most_(static_cast<float>(most)),
+      messages_(kMessages) {
   for (Message& message : messages_) {
     Message* free = &message;
     static_cast<void>(free_.TryPush(free));  // has room for all
@@ -46,6 +51,7 @@ void PrioritySender::Run() {
     Message& message = **next;
     dadrl_idl_PriorityUpdate sample{};
     sample.shard = message.shard;
+    sample.learner = incarnation_;
     const auto count = static_cast<uint32_t>(message.keys.size());
     sample.keys = {count, count, message.keys.data(), false};
     sample.priorities = {count, count, message.priorities.data(), false};

@@ -20,7 +20,8 @@ namespace dadrl {
 // replay believes (ExperienceBounds), is sent as that.
 class PrioritySender {
  public:
-  static Result<std::unique_ptr<PrioritySender>> Create(const dds::Node& node, double most);
+  static Result<std::unique_ptr<PrioritySender>> Create(const dds::Node& node, uint64_t incarnation,
+                                                        double most);
   ~PrioritySender();
 
   // Copies both; `keys` and `priorities` are equally long. Dropped and counted when the sender is behind:
@@ -37,10 +38,12 @@ class PrioritySender {
   };
   static constexpr size_t kMessages = 8;
 
-  PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, double most);
+  PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation,
+                 double most);
   void Run();
 
   std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer_;
+  const uint64_t incarnation_;  // of the learner
   const float most_;
   std::vector<Message> messages_;
   BoundedQueue<Message*> free_{kMessages};

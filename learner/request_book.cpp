@@ -85,6 +85,14 @@ void RequestBook::RepeatAll() {
   }
 }
 
+uint64_t RequestBook::oldest_open(uint32_t shard) const {
+  uint64_t oldest = next_number_;
+  for (const Open& open : open_) {
+    if (open.request.shard == shard) oldest = std::min(oldest, open.request.number);
+  }
+  return oldest;
+}
+
 bool RequestBook::all_withheld() const {
   return !open_.empty() &&
          std::all_of(open_.begin(), open_.end(), [](const Open& open) { return open.withheld; });

@@ -39,6 +39,9 @@ class RequestBook {
   // No new requests before `until`: what comes back is useless, do not ask in a tight loop.
   void HoldOff(TimePoint until) { hold_off_until_ = until; }
 
+  // The lowest number that `shard` was asked for and still owes; the next number when it owes none.
+  uint64_t oldest_open(uint32_t shard) const;
+
   bool idle() const { return open_.empty(); }
   // Requests are open, and each of them is withheld.
   bool all_withheld() const;

@@ -81,20 +81,20 @@ void BatchServer::Work(const std::atomic<bool>& stop) {
 
 std::optional<BatchServer::Drawn> BatchServer::Lead() {
   // While there is enough to do, what came since can wait: several at once cost little more than one.
-  if (pending_.size() < kFewPending || waited_) {
+  if (queue_.size() < kFewPending || waited_) {
     TakeRequests();
     TakePriorities();
   }
   waited_ = false;
   // Before the last look, so that an insert after it wakes us.
-  waiting_.store(!pending_.empty());
+  waiting_.store(!queue_.empty());
   bool held = false;
   // A batch that nobody receives is lost, and its samples are spent.
-  if (!pending_.empty() && endpoints_.replies->matched() > 0) {
-    if (Result<DrawnItems> items = Draw(pending_.front())) {
+  if (!queue_.empty() && endpoints_.replies->matched() > 0) {
+    if (Result<DrawnItems> items = Draw(queue_.front())) {
       ledger_.Enter(Activity::kWork);  // ends the wait; looking whether it is over does not
-      Drawn drawn{pending_.front(), std::move(*items)};
-      pending_.pop_front();
+      Drawn drawn{queue_.front(), std::move(*items)};
+      queue_.Pop();
       MutexLock serving(serving_mutex_);
       serving_.push_back(drawn.request.id);
       return drawn;
@@ -111,38 +111,42 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
 
 void BatchServer::TakeRequests() {
   // The analysis does not see that Take visits before it returns, under our lock.
-  endpoints_.requests->Take(static_cast<int>(kMaxPending),
+  endpoints_.requests->Take(static_cast<int>(RequestQueue::kMaxPending),
                             [this](const dadrl_idl_BatchRequest& message)
                                 DADRL_NO_THREAD_SAFETY_ANALYSIS { OnRequest(message); });
 }
 
 void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
-  if (message.shard != shard_ || message.learner < learner_) return;
-  if (message.learner > learner_) pending_.clear();
-  learner_ = message.learner;
+  if (message.shard != shard_) return;
   const RequestId id{message.learner, message.request};
-  if (Serves(id)) return;
-  const auto known = std::find_if(pending_.begin(), pending_.end(),
-                                  [&](const Request& request) { return request.id == id; });
-  if (known != pending_.end()) {
-    known->told = false;  // who asks again, hears again
-    return;
+  const RequestQueue::Verdict verdict = queue_.OnArrival(id, message.oldest_open);
+  if (verdict == RequestQueue::Verdict::kSuperseded) {
+    return Refuse({.id = id, .wanted = {}},
+                  fmt::format("learner {} of this run has taken over from learner {}, which ends",
+                              queue_.learner(), id.learner));
   }
+  if (verdict != RequestQueue::Verdict::kNew || Serves(id)) return;
   const Request request{.id = id,
                         .wanted = {.count = message.batch_size,
                                    .n_step = static_cast<int>(message.n_step),
                                    .sequence_length = static_cast<int>(message.sequence_length),
                                    .policy_version = message.policy_version}};
   if (const Status possible = Check(message); !possible) return Refuse(request, possible.error().message);
-  if (pending_.size() >= kMaxPending) return Refuse(request, "too many requests at once");
-  pending_.push_back(request);
+  queue_.Push(request);
 }
 
 Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
+  if (message.protocol != kProtocolVersion) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "the learner speaks version {} of the protocol, this replay {}: one of them was built anew "
+                "since the run began; start the run again",
+                message.protocol, kProtocolVersion);
+  }
   if (message.schema != table_.schema()) {
     return Fail(ErrorCode::kInvalidArgument,
-                "the learner's observations have schema {:#x}, this replay holds {:#x}", message.schema,
-                table_.schema());
+                "the learner's observations have schema {:#x}, this replay holds {:#x}; start both with the "
+                "configuration of the run",
+                message.schema, table_.schema());
   }
   if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
     return Fail(ErrorCode::kInvalidArgument, "a batch of {} is not between 1 and {}", message.batch_size,
@@ -151,7 +155,8 @@ Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
   const auto longest = static_cast<uint32_t>(table_.sequence_length());
   if (message.sequence_length > longest) {
     return Fail(ErrorCode::kInvalidArgument,
-                "sequences of {} decisions; this replay was started with replay.sequence_length {}",
+                "sequences of {} decisions; this replay was started with replay.sequence_length {}; start "
+                "both with the configuration of the run",
                 message.sequence_length, longest);
   }
   const uint64_t steps = uint64_t{message.batch_size} * message.sequence_length;
@@ -163,8 +168,9 @@ Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
   if (message.sequence_length == 0 &&
       (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
     return Fail(ErrorCode::kInvalidArgument,
-                "slices of {} steps; this replay was started with algorithm.n_step {}", message.n_step,
-                table_.n_step());
+                "slices of {} steps; this replay was started with algorithm.n_step {}; start both with the "
+                "configuration of the run",
+                message.n_step, table_.n_step());
   }
   return {};
 }
@@ -177,8 +183,10 @@ void BatchServer::Refuse(const Request& request, const std::string& reason) {
 }
 
 void BatchServer::TakePriorities() {
-  endpoints_.priorities->Take(64, [this](const dadrl_idl_PriorityUpdate& message) {
-    if (message.shard != shard_) return;
+  // Of a learner that was replaced: about another network.
+  const uint64_t newest = queue_.learner();
+  endpoints_.priorities->Take(64, [this, newest](const dadrl_idl_PriorityUpdate& message) {
+    if (message.shard != shard_ || message.learner != newest) return;
     table_.UpdatePriorities({message.keys._buffer, message.keys._length},
                             {message.priorities._buffer, message.priorities._length});
   });
@@ -196,7 +204,7 @@ Result<DrawnItems> BatchServer::Draw(const Request& request) {
 
 void BatchServer::SayWithheld() {
   std::vector<std::byte> nothing;
-  for (Request& request : pending_) {
+  for (Request& request : queue_.pending()) {
     if (request.told) continue;
     // The rest would block in vain, too, each for the time-out of the topic, and nobody else could lead.
     if (!Reply(request, nothing)) return;
@@ -251,7 +259,7 @@ void BatchServer::Send(const Request& request, std::vector<std::byte>& bytes, co
 bool BatchServer::Replaced(uint64_t learner) {
   MutexLock leading(lead_);
   TakeRequests();
-  return learner_ != learner;
+  return queue_.learner() != learner;
 }
 
 Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal) {

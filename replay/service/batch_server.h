@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 #include "proto/topics.h"
+#include "replay/service/request_queue.h"
 #include "replay/table.h"
 
 namespace dadrl {
@@ -23,13 +23,11 @@ namespace dadrl {
 // One thread runs Run, which starts the others; statistics, ledger and Wake are for any. The threads take
 // turns: one leads, that is, waits for requests and draws the next batch; then another leads while it reads,
 // serialises and sends that batch. Batches are drawn in the order of their requests, and may overtake each
-// other on their way out. Those of an earlier learner are dropped as soon as a later one speaks. Bounded:
-// kMaxPending requests.
+// other on their way out. What waits, and whose it is: request_queue.h.
 class BatchServer {
  public:
   // One sends while the other prepares: DDS takes as long for a batch as the table.
   static constexpr int kThreads = 2;
-  static constexpr size_t kMaxPending = 64;
   static constexpr size_t kFewPending = 8;  // then it looks for more
   static constexpr uint32_t kMaxBatch = 65536;
   static constexpr uint64_t kMaxBatchSteps = uint64_t{1} << 21;  // of all its sequences
@@ -60,16 +58,8 @@ class BatchServer {
     std::unique_ptr<dds::Reader<dadrl_idl_PriorityUpdate>> priorities;
     std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies;
   };
-  struct RequestId {
-    uint64_t learner = 0;
-    uint64_t number = 0;
-    bool operator==(const RequestId&) const = default;
-  };
-  struct Request {
-    RequestId id;
-    ReplayTable::Wanted wanted;
-    bool told = false;  // that it is withheld
-  };
+  using RequestId = RequestQueue::Id;
+  using Request = RequestQueue::Request;
   // A request whose batch is drawn, and which is in `serving_`.
   struct Drawn {
     Request request;
@@ -108,8 +98,7 @@ class BatchServer {
 
   // Held by the one that leads, also while it waits for requests.
   Mutex lead_;
-  uint64_t learner_ DADRL_GUARDED_BY(lead_) = 0;
-  std::deque<Request> pending_ DADRL_GUARDED_BY(lead_);
+  RequestQueue queue_ DADRL_GUARDED_BY(lead_);
   bool waited_ DADRL_GUARDED_BY(lead_) = false;
   mutable Mutex serving_mutex_;
   std::vector<RequestId> serving_ DADRL_GUARDED_BY(serving_mutex_);  // drawn, not sent yet

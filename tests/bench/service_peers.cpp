@@ -162,6 +162,7 @@ Numbers Fetch(const Config& config, const Fetching& fetching) {
     dadrl_idl_BatchRequest request{};
     request.learner = static_cast<uint64_t>(getpid());
     request.request = number;
+    request.protocol = kProtocolVersion;
     request.batch_size = fetching.batch_size;
     request.n_step = static_cast<uint32_t>(config.algorithm.n_step);
     request.schema = SchemaHash(kSpec);

@@ -21,6 +21,16 @@ TEST(RequestBook, NeverHasMoreOpenAndReadyThanCredits) {
   EXPECT_EQ(book.Due(kStart, 0).size(), 1u);  // taken
 }
 
+TEST(RequestBook, TellsAShardWhichRequestsAreGivenUp) {
+  RequestBook book(2, 1, kTimeout);
+  const RequestBook::Request first = book.Due(kStart, 0)[0];
+  EXPECT_EQ(book.oldest_open(first.shard), first.number);
+  const RequestBook::Request second = book.Due(kStart + kTimeout, 0)[0];
+  ASSERT_NE(second.shard, first.shard);
+  EXPECT_GT(book.oldest_open(first.shard), first.number) << "the shard was silent";
+  EXPECT_EQ(book.oldest_open(second.shard), second.number);
+}
+
 TEST(RequestBook, AcceptsEachReplyOnceAndOnlyWhatWasAsked) {
   RequestBook book(2, 2, kTimeout);
   const RequestBook::Request first = book.Due(kStart, 0)[0];

@@ -76,6 +76,23 @@ TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
   EXPECT_TRUE(Eventually([&] { return Take(5)[1] > 0; })) << replays_[1]->Log();
 }
 
+TEST_F(ShardsTest, AShardThatWasStoppedForLongServesAgainAndRefusesNothing) {
+  fetcher_.reset();
+  fetcher_ = BatchFetcher<TransitionBatch>::Create(*learner_node_, config_, 78, [] { return 1u; },
+                                                   {.request_timeout = std::chrono::milliseconds(5)})
+                 .value();
+  Fill(0, 25);
+  Fill(1, 25);
+  ASSERT_TRUE(Eventually([&] { return Take(5)[1] > 0; }));
+  const uint64_t before = fetcher_->stats().given_up;
+  replays_[1]->Stop();
+  // Far more than it would keep, and than its reader holds.
+  ASSERT_TRUE(Eventually([&] { return Take(1)[0] == 1 && fetcher_->stats().given_up > before + 200; }));
+  replays_[1]->Continue();
+  EXPECT_TRUE(Eventually([&] { return Take(5)[1] > 0; })) << replays_[1]->Log();
+  EXPECT_TRUE(fetcher_->status()) << fetcher_->status().error().message;
+}
+
 TEST_F(ShardsTest, AShardWithoutActorsHoldsUpNobodyAndJoinsWhenItHasSome) {
   Fill(0, 25);
   EXPECT_EQ(Take(100), (std::array{100, 0}));

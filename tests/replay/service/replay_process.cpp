@@ -54,6 +54,9 @@ void ReplayProcess::Kill() {
   WaitForExit();
 }
 
+void ReplayProcess::Stop() { kill(pid_, SIGSTOP); }
+void ReplayProcess::Continue() { kill(pid_, SIGCONT); }
+
 int ReplayProcess::Terminate() {
   kill(pid_, SIGTERM);
   return WaitForExit();

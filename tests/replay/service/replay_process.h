@@ -24,6 +24,8 @@ class ReplayProcess {
   void Start(std::optional<uint64_t> file_limit = std::nullopt);
   void SetFileLimit(uint64_t bytes);
   void Kill();              // -9, and waits
+  void Stop();              // SIGSTOP
+  void Continue();          // SIGCONT
   int Terminate();          // SIGTERM; its exit code
   int WaitForExit();        // its exit code; 128 + signal
   std::string Log() const;  // all it has said on standard error
