@@ -210,6 +210,13 @@ Status ChunkView::CheckFrames() const {
   return {};
 }
 
+std::string_view ChunkFaultName(ChunkFault fault) {
+  static constexpr std::array<std::string_view, static_cast<size_t>(ChunkFault::kCount)> kNames = {
+      "garbage", "version", "length", "checksum", "contents", "schema", "stale"};
+  const auto index = static_cast<size_t>(fault);
+  return index < kNames.size() ? kNames[index] : "unknown";
+}
+
 uint64_t ChunkView::checksum() const { return Load<uint64_t>(&bytes_[bytes_.size() - kChecksumBytes], 0); }
 
 void ChunkView::PrefetchColumns(int frame) const {

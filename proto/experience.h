@@ -17,6 +17,7 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/config/config.h"
@@ -135,6 +136,9 @@ enum class ChunkFault : int {
   kStale,     // of an actor that has been restarted since, or of one actor too many
   kCount,
 };
+
+// In a sentence ("checksum", "contents"); "unknown" for what is none.
+std::string_view ChunkFaultName(ChunkFault fault);
 
 // A validated look into a chunk's bytes; borrows them.
 class ChunkView {

@@ -33,6 +33,7 @@ constexpr std::string_view kMetricNames[] = {
     "backlog_bytes",
     "policy_version",
     "policy_age_s",
+    "refused_chunks",
     "inserted_frames",
     "inserted_bytes",
     "sampled_transitions",

@@ -32,6 +32,7 @@ enum class Metric : int {
   kBacklogBytes,       // unacknowledged experience, now
   kPolicyVersion,      // in use, now
   kPolicyAgeS,         // since that policy was published, now
+  kRefusedChunks,      // that the replay will never take; dropped
   // replay, cumulative unless "now"
   kInsertedFrames,
   kInsertedBytes,

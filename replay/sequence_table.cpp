@@ -5,6 +5,7 @@
 namespace dadrl {
 
 SequenceTable::Verdict SequenceTable::Check(const ChunkIdentity& identity, uint64_t oldest_kept) const {
+  if (identity.sequence > kMaxSequence) return Verdict::kImpossible;
   const auto actor = actors_.find(identity.actor);
   if (actor == actors_.end()) {
     if (actors_.size() >= kMaxActors) return Verdict::kTooMany;

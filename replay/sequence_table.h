@@ -18,13 +18,16 @@ class SequenceTable {
  public:
   static constexpr size_t kMaxActors = 65536;
   static constexpr size_t kMaxIncarnations = 4;
+  // No actor lives to send so many chunks.
+  static constexpr uint64_t kMaxSequence = uint64_t{1} << 48;
 
   enum class Verdict {
-    kNext,       // store it
-    kDuplicate,  // stored before
-    kGap,        // something before it is still to come: drop it, the actor sends again from there
-    kStale,      // of an incarnation that newer ones have pushed out
-    kTooMany,    // one actor more than kMaxActors
+    kNext,        // store it
+    kDuplicate,   // stored before
+    kGap,         // something before it is still to come: drop it, the actor sends again from there
+    kStale,       // of an incarnation that newer ones have pushed out
+    kTooMany,     // one actor more than kMaxActors
+    kImpossible,  // beyond kMaxSequence
   };
   struct Stream {
     uint32_t actor = 0;

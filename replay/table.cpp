@@ -59,7 +59,8 @@ Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, con
   return table;
 }
 
-ReplayTable::Insertion ReplayTable::Refuse(ChunkFault fault, const Error& reason) {
+ReplayTable::Insertion ReplayTable::Refuse(ChunkFault fault, const Error& reason, ChunkRefusal* refusal) {
+  if (refusal != nullptr) *refusal = {fault, reason.message};
   MutexLock lock(mutex_);
   if (counters_.rejected_chunks[static_cast<size_t>(fault)]++ == 0) {
     spdlog::warn("refused a chunk (more like it are counted): {}", reason.message);
@@ -67,23 +68,43 @@ ReplayTable::Insertion ReplayTable::Refuse(ChunkFault fault, const Error& reason
   return Insertion::kRejected;
 }
 
-Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> bytes, uint64_t oldest_kept) {
+Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> bytes, uint64_t oldest_kept,
+                                                   ChunkRefusal* refusal) {
   ChunkFault fault{};
   const Result<ChunkView> chunk = ChunkView::Parse(bytes, &fault);
-  if (!chunk) return Refuse(fault, chunk.error());
-  if (chunk->header().schema != options_.schema) {
+  if (!chunk) return Refuse(fault, chunk.error(), refusal);
+  MutexLock inserting(insert_mutex_);
+  return InsertParsed(*chunk, oldest_kept, refusal);
+}
+
+Result<ReplayTable::Insertion> ReplayTable::InsertParsed(const ChunkView& chunk, uint64_t oldest_kept,
+                                                         ChunkRefusal* refusal) {
+  const ChunkHeader header = chunk.header();
+  const ChunkIdentity& identity = header.identity;
+  if (header.schema != options_.schema) {
+    SettleNext(identity, oldest_kept);
     return Refuse(
         ChunkFault::kSchema,
         {ErrorCode::kCorrupt,
          fmt::format("actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the "
                      "actor with the configuration of the run",
-                     chunk->header().identity.actor, chunk->header().schema, options_.schema)});
+                     identity.actor, header.schema, options_.schema)},
+        refusal);
   }
-  const ChunkIdentity identity = chunk->header().identity;
-  MutexLock inserting(insert_mutex_);
-  switch (sequences_.Check(identity, std::min(oldest_kept, identity.sequence))) {
+  const auto verdict = sequences_.Check(identity, std::min(oldest_kept, identity.sequence));
+  if (verdict != SequenceTable::Verdict::kNext) return Decline(verdict, identity, refusal);
+  if (const Status sound = CheckContents(chunk); !sound) {
+    sequences_.Accept(identity);
+    return Refuse(ChunkFault::kContents, sound.error(), refusal);
+  }
+  DADRL_RETURN_IF_ERROR(Store(chunk));
+  return Insertion::kStored;
+}
+
+ReplayTable::Insertion ReplayTable::Decline(SequenceTable::Verdict verdict, const ChunkIdentity& identity,
+                                            ChunkRefusal* refusal) {
+  switch (verdict) {
     case SequenceTable::Verdict::kNext:
-      break;
     case SequenceTable::Verdict::kDuplicate: {
       MutexLock lock(mutex_);
       ++counters_.duplicate_chunks;
@@ -94,21 +115,41 @@ Result<ReplayTable::Insertion> ReplayTable::Insert(std::span<const std::byte> by
       ++counters_.early_chunks;
       return Insertion::kEarly;
     }
+    case SequenceTable::Verdict::kImpossible:
+      return Refuse(
+          ChunkFault::kContents,
+          {ErrorCode::kCorrupt, fmt::format("actor {}: its chunk {} is beyond the last possible one, {}",
+                                            identity.actor, identity.sequence, SequenceTable::kMaxSequence)},
+          refusal);
     case SequenceTable::Verdict::kStale:
     case SequenceTable::Verdict::kTooMany:
-      return Refuse(
-          ChunkFault::kStale,
-          {ErrorCode::kExhausted,
-           fmt::format("actor {}, incarnation {}: an actor that has been restarted since, or one of "
-                       "too many",
-                       identity.actor, identity.incarnation)});
+      break;
   }
-  if (const Status sound = CheckContents(*chunk); !sound) {
-    sequences_.Accept(identity);
-    return Refuse(ChunkFault::kContents, sound.error());
+  return Refuse(ChunkFault::kStale, StaleError(identity), refusal);
+}
+
+Error ReplayTable::StaleError(const ChunkIdentity& identity) const {
+  const auto newest = sequences_.Newest(identity.actor);
+  if (newest) {
+    return {ErrorCode::kExhausted, fmt::format("actor {}: its incarnation {} has been followed by {}",
+                                               identity.actor, identity.incarnation, newest->incarnation)};
   }
-  DADRL_RETURN_IF_ERROR(Store(*chunk));
-  return Insertion::kStored;
+  return {ErrorCode::kExhausted,
+          fmt::format("actor {}: this replay has known {} actors, and remembers no more", identity.actor,
+                      SequenceTable::kMaxActors)};
+}
+
+void ReplayTable::Settle(const ChunkIdentity& identity, uint64_t oldest_kept) {
+  MutexLock inserting(insert_mutex_);
+  SettleNext(identity, oldest_kept);
+}
+
+void ReplayTable::SettleNext(const ChunkIdentity& identity, uint64_t oldest_kept) {
+  const auto verdict = sequences_.Check(identity, std::min(oldest_kept, identity.sequence));
+  if (verdict != SequenceTable::Verdict::kNext) return;
+  const uint64_t skipped = sequences_.Accept(identity);
+  MutexLock lock(mutex_);
+  counters_.lost_chunks += skipped;
 }
 
 Status ReplayTable::CheckContents(const ChunkView& chunk) const {

@@ -17,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/config/config.h"
@@ -51,6 +52,12 @@ struct TableOptions {
   Segment::Force force = SyncFile;
 };
 
+// Why a chunk is not taken, and never will be.
+struct ChunkRefusal {
+  ChunkFault fault{};
+  std::string reason;
+};
+
 // RateLimiter::Options of one shard of a configuration: the band in frames.
 RateLimiter::Options LimiterOptions(const ReplayConfig& replay);
 
@@ -83,7 +90,7 @@ class ReplayTable {
     kStored,
     kDuplicate,
     kEarly,     // not stored: one before it is still to come
-    kRejected,  // not stored, and never will be; if only its frames are bad, its sequence counts as done
+    kRejected,  // not stored, and never will be; where its identity can be read, its sequence counts as done
   };
 
   // Recovers what is in the directory, logs what it found. Borrows `clock`. kCorrupt: other schema;
@@ -93,8 +100,11 @@ class ReplayTable {
   // `oldest_kept` as in dadrl_idl.ChunkMessage. kExhausted: the disk is full (or the chunk larger than it may
   // get); nothing was stored, the same chunk may be offered again. Begins a new segment when one is full, and
   // leaves the full one to Sync; blocks on the disk only when kMaxUnforced of them wait for that, or when the
-  // oldest has to leave and no state was saved since it was full.
-  Result<Insertion> Insert(std::span<const std::byte> chunk, uint64_t oldest_kept = 0);
+  // oldest has to leave and no state was saved since it was full. `refusal` is set when it was kRejected.
+  Result<Insertion> Insert(std::span<const std::byte> chunk, uint64_t oldest_kept = 0,
+                           ChunkRefusal* refusal = nullptr);
+  // A rejected chunk whose bytes do not say whose it was: its sequence counts as done, if it is the next.
+  void Settle(const ChunkIdentity& identity, uint64_t oldest_kept) DADRL_EXCLUDES(insert_mutex_);
   // The newest incarnation of each actor, with its highest stored sequence.
   std::vector<SequenceTable::Stream> Streams() const;
   std::optional<SequenceTable::Stream> StreamOf(uint32_t actor) const;
@@ -167,7 +177,14 @@ class ReplayTable {
   Status CheckWanted(const Wanted& wanted) const;
   // The items, or 0 while they do not suffice for a batch of `count`: each serves max_times_sampled times.
   int64_t Drawable(size_t count) const DADRL_REQUIRES(mutex_);
-  Insertion Refuse(ChunkFault fault, const Error& reason) DADRL_EXCLUDES(mutex_);
+  Insertion Refuse(ChunkFault fault, const Error& reason, ChunkRefusal* refusal) DADRL_EXCLUDES(mutex_);
+  Result<Insertion> InsertParsed(const ChunkView& chunk, uint64_t oldest_kept, ChunkRefusal* refusal)
+      DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Insertion Decline(SequenceTable::Verdict verdict, const ChunkIdentity& identity, ChunkRefusal* refusal)
+      DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
+  Error StaleError(const ChunkIdentity& identity) const DADRL_REQUIRES(insert_mutex_);
+  void SettleNext(const ChunkIdentity& identity, uint64_t oldest_kept) DADRL_REQUIRES(insert_mutex_)
+      DADRL_EXCLUDES(mutex_);
   Status CheckContents(const ChunkView& chunk) const;
   Status Store(ChunkView chunk) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status EnsureSegment(size_t length) DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);

@@ -16,11 +16,12 @@ void Backlog::Add(Chunk chunk) {
 Backlog::AckEffect Backlog::OnAcknowledgement(uint64_t stored, uint64_t granted, TimePoint now) {
   if (stored > last_) return AckEffect::kAlien;
   heard_ = stored >= acknowledged_;
-  granted_ = std::max(granted, acknowledged_);
+  granted_ = std::min(std::max(granted, acknowledged_), std::max(stored, acknowledged_) + kMaxGrant);
   if (!heard_) return AckEffect::kForgotten;
   if (stored > acknowledged_) {
+    // A disk that takes long makes acknowledgements rare, not lost.
+    resend_after_ = std::clamp(2 * (now - progress_), kFirstResend, kLastResend);
     progress_ = now;
-    resend_after_ = kFirstResend;
   }
   for (; acknowledged_ < stored; ++acknowledged_) {
     bytes_ -= chunks_.front().bytes.size();

@@ -23,9 +23,12 @@ class Backlog {
     std::vector<std::byte> bytes;
   };
 
-  // First and longest wait for an acknowledgement before sending again; it doubles in between.
+  // Shortest and longest wait for an acknowledgement before sending again: twice what the last one took, and
+  // it doubles while none comes.
   static constexpr Duration kFirstResend = std::chrono::seconds(1);
   static constexpr Duration kLastResend = std::chrono::seconds(8);
+  // No replay has room for more chunks of one actor: a grant of more is taken for so many.
+  static constexpr uint64_t kMaxGrant = 1024;
 
   enum class AckEffect {
     kAccepted,

@@ -29,6 +29,7 @@ constexpr RejectionKind kRejectionKinds[] = {
     {dds::Role::kReplay, Metric::kRejectedContents, "impossible contents"},
     {dds::Role::kReplay, Metric::kRejectedSchema, "other observations"},
     {dds::Role::kReplay, Metric::kRejectedStale, "replaced actor"},
+    {dds::Role::kActor, Metric::kRefusedChunks, "dropped by their actors"},
     {dds::Role::kReplay, Metric::kDuplicateChunks, "duplicate"},
     {dds::Role::kReplay, Metric::kLostChunks, "lost"},
     {dds::Role::kReplay, Metric::kRefusedRequests, "refused request"},

@@ -11,8 +11,8 @@ namespace {
 // Chunks between two rounds of acknowledgements.
 constexpr int kRound = 32;
 constexpr Duration kIdleWait = std::chrono::milliseconds(50);
-// What an actor may have under way: enough to fill the pipe, or, where the limiter holds actors back, little
-// enough for it to hold them back soon.
+// What an actor may have under way, where few share the reader: enough to fill the pipe, or, where the
+// limiter holds actors back, little enough for it to hold them back soon.
 constexpr uint64_t kWideWindow = 64;
 constexpr uint64_t kNarrowWindow = 2;
 
@@ -69,7 +69,8 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
   // While writes fail, what arrives is dropped unseen: the actors keep it and send it again.
   if (failing_ && clock_.Now() < retry_at_) return;
   const std::span bytes(reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length);
-  const Result<ReplayTable::Insertion> inserted = table_.Insert(bytes, message.oldest_kept);
+  ChunkRefusal refusal;
+  const Result<ReplayTable::Insertion> inserted = table_.Insert(bytes, message.oldest_kept, &refusal);
   if (!inserted) {
     OnFailure(inserted.error());
     return;
@@ -78,7 +79,14 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
     unsynced_ = true;
     if (std::exchange(failing_, false)) spdlog::info("experience can be stored again");
   }
-  if (const auto stream = table_.StreamOf(message.actor)) acknowledger_->Note(*stream);
+  const ChunkIdentity identity{message.actor, message.incarnation, message.chunk_sequence};
+  const bool refused = *inserted == ReplayTable::Insertion::kRejected;
+  if (refused && identity.sequence > 0) table_.Settle(identity, message.oldest_kept);
+  if (const auto stream = table_.StreamOf(message.actor)) {
+    acknowledger_->Note(*stream);
+    acknowledger_->Hear(message.actor, clock_.Now());
+  }
+  if (refused && identity.sequence > 0) acknowledger_->Refuse(identity, refusal);
 }
 
 void Ingest::OnFailure(const Error& error) {
@@ -113,7 +121,8 @@ Acknowledger::Grant Ingest::CurrentGrant() {
   }
   withholding_.store(false);
   ledger_.Enter(Activity::kWork);
-  return {replay_.min_samples_per_insert > 0.0 ? kNarrowWindow : kWideWindow};
+  const uint64_t window = replay_.min_samples_per_insert > 0.0 ? kNarrowWindow : kWideWindow;
+  return {acknowledger_->Share(window, clock_.Now())};
 }
 
 }  // namespace dadrl

@@ -55,6 +55,16 @@ TEST(SequenceTable, TheNumberOfActorsIsBounded) {
   EXPECT_EQ(table.Check({5, 1, 2}, 2), Verdict::kNext);
 }
 
+TEST(SequenceTable, NoSequenceIsBeyondWhatAnActorCanSend) {
+  SequenceTable table;
+  constexpr uint64_t kLast = SequenceTable::kMaxSequence;
+  EXPECT_EQ(table.Check({1, 10, kLast + 1}, kLast + 1), Verdict::kImpossible);
+  EXPECT_EQ(table.Check({1, 10, UINT64_MAX}, UINT64_MAX), Verdict::kImpossible);
+  table.Accept({1, 10, 1});
+  EXPECT_EQ(table.Check({1, 10, UINT64_MAX}, UINT64_MAX), Verdict::kImpossible);
+  EXPECT_EQ(table.Check({1, 10, kLast}, kLast), Verdict::kNext);
+}
+
 TEST(SequenceTable, MergeTakesTheHigherOfBoth) {
   SequenceTable left;
   SequenceTable right;

@@ -108,7 +108,10 @@ TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
   EXPECT_EQ(table->Insert(std::vector<std::byte>(100)), Insertion::kRejected);
   ChunkBuilder alien({.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
   alien.AddTransition(Observation({.vehicles = 2, .history = 1}), {}, 0.0f, kTerminated, 1);
-  EXPECT_EQ(table->Insert(alien.Finish({1, 1, 1})), Insertion::kRejected);
+  ChunkRefusal refusal;
+  EXPECT_EQ(table->Insert(alien.Finish({9, 1, 1}), 1, &refusal), Insertion::kRejected);
+  EXPECT_EQ(refusal.fault, ChunkFault::kSchema);
+  EXPECT_EQ(table->Stored(9, 1), 1u) << "its actor goes on, if it has something better";
   EXPECT_EQ(table->Insert(EpisodeChunk(1), 1), Insertion::kStored);
   EXPECT_EQ(table->Insert(EpisodeChunk(2), 2), Insertion::kRejected);
   const auto rejected = [&](ChunkFault fault) {

@@ -41,6 +41,24 @@ TEST_F(BacklogTest, IntroducesItselfWithOneChunkAndThenObeysTheGrant) {
   EXPECT_EQ(SendAll(), Sequences({5, 6, 7, 8, 9, 10}));
 }
 
+TEST_F(BacklogTest, NoGrantIsWithoutBound) {
+  Add(5000);
+  Acknowledge(0, UINT64_MAX);
+  EXPECT_EQ(SendAll().size(), Backlog::kMaxGrant);
+}
+
+TEST_F(BacklogTest, ASlowDiskMakesAcknowledgementsRareNotLost) {
+  Add(100);
+  Acknowledge(0, 100);
+  SendAll();
+  Duration took = Backlog::kFirstResend * 9 / 10;
+  for (uint64_t stored = 1; stored <= 4; ++stored, took = took * 3 / 2) {
+    clock_.Advance(took);
+    EXPECT_EQ(SendAll(), Sequences()) << "after " << ToSeconds(took) << " s";
+    Acknowledge(stored, 100);
+  }
+}
+
 TEST_F(BacklogTest, ForgetsOnlyWhatIsAcknowledged) {
   Add(5);
   Acknowledge(0, 5);

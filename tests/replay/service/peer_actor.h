@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/dds/endpoint.h"
@@ -24,6 +26,8 @@ class PeerActor {
     chunks_ = dds::Writer<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(shard)).value();
   }
 
+  // A chunk as no sane actor makes it.
+  void AddRaw(std::vector<std::byte> bytes) { kept_.push_back(std::move(bytes)); }
   void Add(TestChunk chunk) {
     chunk.identity = {id_, incarnation_, kept_.size() + 1};
     kept_.push_back(Build(chunk));
@@ -34,6 +38,8 @@ class PeerActor {
       if (ack.actor != id_ || ack.incarnation != incarnation_) return;
       if (ack.stored_sequence > stored_) heard_at_ = clock_.Now();
       stored_ = std::max<uint64_t>(stored_, ack.stored_sequence);
+      if (ack.refused > refused_) refusal_ = {static_cast<ChunkFault>(ack.refusal), ack.reason};
+      refused_ = ack.refused;
       granted_ = ack.granted_sequence;
       next_ = std::max(next_, stored_ + 1);
     });
@@ -45,12 +51,18 @@ class PeerActor {
       granted_ = std::max(granted_, next_);
     }
     for (; chunks_->matched() > 0 && next_ <= kept_.size() && next_ <= granted_; ++next_) {
-      if (!Send(kept_[next_ - 1], stored_ + 1)) return;
+      if (!Send(kept_[next_ - 1], stored_ + 1, next_)) {
+        ++refused_writes_;
+        return;
+      }
     }
   }
-  bool Send(std::vector<std::byte>& bytes, uint64_t oldest_kept) {
+  // `sequence`: that the message names; 0 for none.
+  bool Send(std::vector<std::byte>& bytes, uint64_t oldest_kept, uint64_t sequence = 0) {
     dadrl_idl_ChunkMessage message{};
     message.actor = id_;
+    message.incarnation = incarnation_;
+    message.chunk_sequence = sequence;
     message.oldest_kept = oldest_kept;
     message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
     message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
@@ -66,6 +78,11 @@ class PeerActor {
   uint64_t produced() const { return kept_.size(); }
   uint64_t stored() const { return stored_; }
   uint64_t granted() const { return granted_; }
+  // Chunks refused for good, as the replay counts them, and why the last was.
+  uint64_t refused() const { return refused_; }
+  const std::pair<ChunkFault, std::string>& refusal() const { return refusal_; }
+  // That found no room at the replay in time.
+  uint64_t refused_writes() const { return refused_writes_; }
 
  private:
   const uint32_t id_;
@@ -78,6 +95,9 @@ class PeerActor {
   uint64_t granted_ = 1;
   uint64_t next_ = 1;
   uint64_t generation_ = 0;
+  uint64_t refused_ = 0;
+  std::pair<ChunkFault, std::string> refusal_;
+  uint64_t refused_writes_ = 0;
   TimePoint heard_at_ = clock_.Now();
 };
 

@@ -79,6 +79,7 @@ class PeerLearner {
     dadrl_idl_BatchRequest request{};
     request.learner = incarnation_;
     request.request = number;
+    request.protocol = kProtocolVersion;
     request.batch_size = batch_size;
     request.n_step = static_cast<uint32_t>(n_step_);
     request.schema = SchemaHash(kTestSpec);

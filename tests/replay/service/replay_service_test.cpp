@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <utility>
 
 #include "common/config/config_yaml.h"
+#include "common/io/checksum.h"
 #include "proto/telemetry.h"
 #include "proto/telemetry_packet.h"
 #include "tests/replay/service/service_fixture.h"
@@ -141,6 +143,39 @@ TEST_F(ReplayServiceTest, DuplicatesGarbageAndGapsChangeNothing) {
   const auto counts = DrawAll();
   EXPECT_EQ(counts.size(), 40u);
   for (const auto& [reward, count] : counts) EXPECT_LT(reward, TestReward(1, 6, 0));
+}
+
+TEST_F(ReplayServiceTest, EveryKindOfBadChunkIsRefusedByNameAndTheNextIsTaken) {
+  config_.replay.verify_frames = VerifyFrames::kAll;
+  Launch();
+  const auto bad = [&](ChunkFault fault, const char* why, std::vector<std::byte> bytes) {
+    AddChunks(1);
+    actor_->AddRaw(std::move(bytes));
+    const uint64_t refused = actor_->refused();
+    ASSERT_TRUE(actor_->PumpUntilStored(actor_->produced())) << why << replay_->Log();
+    ASSERT_TRUE(Eventually([&] { return actor_->Pump(), actor_->refused() == refused + 1; })) << why;
+    EXPECT_EQ(actor_->refusal().first, fault) << why;
+    EXPECT_THAT(actor_->refusal().second, testing::HasSubstr(why));
+  };
+  const auto chunk = [&] { return Build({.identity = {1, 100, actor_->produced() + 2}, .episode = 900}); };
+  const auto changed = [&](size_t at, uint32_t value) {
+    std::vector<std::byte> bytes = chunk();
+    std::memcpy(&bytes[at], &value, sizeof(value));
+    const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+    std::memcpy(&bytes[bytes.size() - 8], &checksum, 8);
+    return bytes;
+  };
+  bad(ChunkFault::kGarbage, "magic", std::vector<std::byte>(500, std::byte{0x5a}));
+  bad(ChunkFault::kVersion, "version 999", changed(4, 999));
+  bad(ChunkFault::kLength, "0 frames", changed(16, 0));
+  std::vector<std::byte> flipped = chunk();
+  flipped[100] ^= std::byte{1};
+  bad(ChunkFault::kChecksum, "checksum", flipped);
+  bad(ChunkFault::kSchema, "schema", changed(48, 12345));
+  bad(ChunkFault::kContents, "finite", changed(kChunkHeaderBytes + 4 * kFrames, 0x7fc00000));
+  AddChunks(1);
+  ASSERT_TRUE(actor_->PumpUntilStored(actor_->produced())) << replay_->Log();
+  EXPECT_EQ(learner_->Fetch(1).frames_inserted, 7u * kFrames) << "all that was sound";
 }
 
 TEST_F(ReplayServiceTest, TellsWhoJoinsTheConfigurationOfTheRun) {
