@@ -19,6 +19,7 @@ struct CollectArguments {
   std::string config;
   std::string run_directory;
   int index = 0;
+  bool any_number = false;
   std::string host;
   int port = 0;
 };
@@ -49,6 +50,8 @@ CLI::App* AddCollect(CLI::App& app, CollectArguments& arguments) {
   command->add_option("--index", arguments.index, "number of this actor, unique in the run")
       ->required()
       ->check(CLI::Range(0, 1'000'000));
+  command->add_flag("--any-number", arguments.any_number,
+                    "the run gives it a number; --index stands only in the names of its files");
   command->add_option("--host", arguments.host, "instead of cluster.host");
   command->add_option("--port", arguments.port, "instead of cluster.port")->check(CLI::Range(1, 65535));
   return command;
@@ -84,13 +87,14 @@ CLI::App* AddRender(CLI::App& app, RenderArguments& arguments) {
   return command;
 }
 
-Status Collect(const CollectArguments& arguments) {
+Result<int> Collect(const CollectArguments& arguments) {
   CollectOptions options;
   DADRL_RETURN_IF_ERROR(LoadYaml(arguments.config, options.config));
   if (!arguments.host.empty()) options.config.cluster.host = arguments.host;
   if (arguments.port != 0) options.config.cluster.port = arguments.port;
   options.run_directory = arguments.run_directory;
   options.index = arguments.index;
+  options.any_number = arguments.any_number;
   return RunCollect(options);
 }
 
@@ -180,10 +184,15 @@ int Main(int argc, char** argv) {
   const bool rendering = render_command->parsed();
   InitLogging(collecting ? fmt::format("actor-{}", collect.index) : rendering ? "render" : "evaluation");
   InstallShutdownHandler();
-  const Status status = collecting ? Collect(collect) : rendering ? Render(render) : Evaluate(evaluate);
-  if (status) return 0;
-  spdlog::error("{}", status.error().message);
-  return ExitCode(status.error());
+  const auto run = [&]() -> Result<int> {
+    if (collecting) return Collect(collect);
+    DADRL_RETURN_IF_ERROR(rendering ? Render(render) : Evaluate(evaluate));
+    return 0;
+  };
+  const Result<int> code = run();
+  if (code) return *code;
+  spdlog::error("{}", code.error().message);
+  return ExitCode(code.error());
 }
 
 }  // namespace

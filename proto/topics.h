@@ -3,17 +3,25 @@
 
 #include "cluster.h"
 #include "common/dds/topic.h"
+#include "proto/lease.h"
 
 namespace dadrl {
 
+// Of everything that the processes of a cluster say to each other. Grows with every change that another build
+// would misunderstand; a process of another version is refused with both versions named.
+constexpr uint32_t kProtocolVersion = 2;
+
 // Experience. KEEP_ALL and a bounded reader: the replay's pace is the actors' pace; nothing is overwritten.
-// Volatile: actors resend what is unacknowledged, so DDS need not keep it. One partition a shard: a writer
-// that matched several shards would be held up by the slowest, and every shard would receive everything.
+// Alone in its plane: whatever keeps the replay from storing (a slow or full disk) leaves this reader full,
+// and nothing else may wait for that. Volatile: actors resend what is unacknowledged, so DDS need not keep
+// it. One partition a shard: a writer that matched several shards would be held up by the slowest, and every
+// shard would receive everything.
+constexpr int kChunkReaderSamples = 128;
 inline dds::TopicSpec ChunkTopic(int shard) {
   return {.name = "dadrl/chunk",
           .type = &dadrl_idl_ChunkMessage_desc,
-          .plane = dds::Plane::kData,
-          .reader_max_samples = 128,
+          .plane = dds::Plane::kExperience,
+          .reader_max_samples = kChunkReaderSamples,
           .max_blocking_ms = 200,
           .partition = shard};
 }
@@ -30,32 +38,33 @@ inline dds::TopicSpec AcknowledgementTopic(uint32_t actor) {
           .transient_local = true,
           .partition = static_cast<int>(actor % kAcknowledgementGroups)};
 }
-// Credits bound what is outstanding; the reader limit is a safety net.
+// A request that is not answered is sent again, so the newest are enough: a replay that was stopped for a
+// while finds those that still matter.
 inline const dds::TopicSpec kBatchRequestTopic{.name = "dadrl/batch_request",
                                                .type = &dadrl_idl_BatchRequest_desc,
                                                .plane = dds::Plane::kControl,
-                                               .reader_max_samples = 64};
+                                               .reader_keeps_last = 64};
 inline const dds::TopicSpec kBatchReplyTopic{.name = "dadrl/batch_reply",
                                              .type = &dadrl_idl_BatchReply_desc,
-                                             .plane = dds::Plane::kData,
+                                             .plane = dds::Plane::kBatches,
                                              .reader_max_samples = 16,
                                              .max_blocking_ms = 500};
-// Losing some priorities is harmless; holding up training is not: short time-out, dropped when full.
+// Losing some priorities is harmless; holding up training is not: short time-out, the newest are kept.
 inline const dds::TopicSpec kPriorityTopic{.name = "dadrl/priorities",
                                            .type = &dadrl_idl_PriorityUpdate_desc,
                                            .plane = dds::Plane::kControl,
-                                           .reader_max_samples = 64,
+                                           .reader_keeps_last = 64,
                                            .max_blocking_ms = 50};
 // What a user's command asks of a shard. Rare and small; repeated until it is answered.
 enum class ReplayCommandKind : uint32_t { kLimit = 0, kSnapshot = 1 };
 inline const dds::TopicSpec kReplayCommandTopic{.name = "dadrl/replay_command",
                                                 .type = &dadrl_idl_ReplayCommand_desc,
                                                 .plane = dds::Plane::kControl,
-                                                .reader_max_samples = 16};
+                                                .reader_keeps_last = 16};
 inline const dds::TopicSpec kReplayAnswerTopic{.name = "dadrl/replay_answer",
                                                .type = &dadrl_idl_ReplayAnswer_desc,
                                                .plane = dds::Plane::kControl,
-                                               .reader_max_samples = 64};
+                                               .reader_keeps_last = 64};
 // Only the newest policy matters; a late actor gets it at once. KEEP_LAST never blocks the learner.
 inline const dds::TopicSpec kWeightsTopic{.name = "dadrl/weights",
                                           .type = &dadrl_idl_Weights_desc,
@@ -68,6 +77,26 @@ inline const dds::TopicSpec kRunConfigTopic{.name = "dadrl/run_config",
                                             .plane = dds::Plane::kControl,
                                             .keep_all = false,
                                             .transient_local = true};
+// A replay that ends as it was asked to says so, also to whoever finds it only then.
+inline const dds::TopicSpec kRunStateTopic{.name = "dadrl/run_state",
+                                           .type = &dadrl_idl_RunState_desc,
+                                           .plane = dds::Plane::kControl,
+                                           .keep_all = false,
+                                           .transient_local = true};
+// Repeated until it is answered, and again and again while the actor lives: the newest of each actor is
+// enough.
+inline const dds::TopicSpec kLeaseRequestTopic{.name = "dadrl/lease_request",
+                                               .type = &dadrl_idl_LeaseRequest_desc,
+                                               .plane = dds::Plane::kControl,
+                                               .keep_all = false};
+// Groups as of acknowledgements, by token.
+inline dds::TopicSpec LeaseAnswerTopic(const LeaseToken& token) {
+  return {.name = "dadrl/lease_answer",
+          .type = &dadrl_idl_LeaseAnswer_desc,
+          .plane = dds::Plane::kControl,
+          .keep_all = false,
+          .partition = static_cast<int>(token.low % kAcknowledgementGroups)};
+}
 // Lossy, as on LCM: cumulative counters, and a reader that is slow must not hold up anyone.
 constexpr int kTelemetryDepth = 1024;
 inline const dds::TopicSpec kTelemetryTopic{.name = "dadrl/telemetry",

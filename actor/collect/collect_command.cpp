@@ -4,15 +4,19 @@
 #include <utility>
 
 #include "actor/collect/actor_episode_log.h"
+#include "actor/collect/actor_token.h"
 #include "actor/collect/collector.h"
 #include "actor/collect/status_reporter.h"
+#include "actor/collect/wait_notice.h"
 #include "actor/environment.h"
 #include "actor/experience/experience_writer.h"
+#include "actor/experience/lease_holder.h"
 #include "actor/experience/weights_subscriber.h"
 #include "common/dds/node.h"
 #include "common/io/incarnation.h"
 #include "common/io/run_key.h"
 #include "common/model/acting_policy.h"
+#include "common/util/exit_code.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "proto/telemetry.h"
@@ -22,6 +26,8 @@ namespace {
 
 constexpr Duration kDrain = std::chrono::seconds(5);
 constexpr Duration kReplayPoll = std::chrono::milliseconds(20);
+// A replay that is just starting is not worth a word.
+constexpr Duration kQuietWait = std::chrono::seconds(1);
 
 EpisodeReport ReportOf(const CollectedEpisode& episode, int actor, uint64_t incarnation) {
   EpisodeReport report;
@@ -55,7 +61,10 @@ class Actor {
         policy_(spec_, options.config.model),
         environment_(std::move(environment)) {}
 
+  Status TakeNumber();
   Status Connect();
+  std::string WaitingForNumber() const;
+  int number() const { return static_cast<int>(identity_.number); }
   void WaitForReplay();
   void Record(const CollectedEpisode& episode);
   Status CheckLayout() const;
@@ -65,14 +74,14 @@ class Actor {
 
   const CollectOptions options_;
   const ObservationSpec spec_;
-  const uint64_t incarnation_ =
-      NextIncarnation(options_.run_directory, fmt::format("actor-{}", options_.index), WallTimeNs());
   SystemClock clock_;
   TimeLedger ledger_{clock_};
   ActingPolicy policy_;
   std::unique_ptr<Environment> environment_;
   std::unique_ptr<dds::Node> node_;
   std::unique_ptr<TelemetryPublisher> publisher_;
+  std::unique_ptr<LeaseHolder> lease_;  // outlives the writer, which shows it
+  LeaseHolder::Lease identity_;
   std::unique_ptr<ExperienceWriter> writer_;
   std::unique_ptr<WeightsSubscriber> weights_;
   std::unique_ptr<ActorEpisodeLog> log_;
@@ -86,22 +95,44 @@ class Actor {
 Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
   DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(options.config));
   std::unique_ptr<Actor> actor(new Actor(options, std::move(environment)));
+  DADRL_RETURN_IF_ERROR(actor->TakeNumber());
   DADRL_RETURN_IF_ERROR(actor->Connect());
   return actor;
 }
 
+// Everything that the run knows of this actor has its number in it, so nothing begins before it has one.
+Status Actor::TakeNumber() {
+  const Config& config = options_.config;
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
+  DADRL_ASSIGN_OR_RETURN(
+      node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index, key));
+  const std::string name = fmt::format("actor-{}", options_.index);
+  LeaseHolder::Options wanted{.token = KeptToken(options_.run_directory, name),
+                              .start = NextIncarnation(options_.run_directory, name, WallTimeNs()),
+                              .number = std::nullopt,
+                              .schema = SchemaHash(spec_)};
+  if (!options_.any_number) wanted.number = static_cast<uint32_t>(options_.index);
+  DADRL_ASSIGN_OR_RETURN(lease_, LeaseHolder::Create(*node_, wanted, clock_));
+  WaitNotice notice;
+  const TimePoint began = clock_.Now();
+  DADRL_ASSIGN_OR_RETURN(identity_, lease_->Acquire([&] {
+    const TimePoint now = clock_.Now();
+    if (now - began > kQuietWait) notice.Update(WaitingForNumber(), now);
+    return !shutdown_requested;
+  }));
+  notice.Update({}, clock_.Now());
+  return {};
+}
+
 Status Actor::Connect() {
   const Config& config = options_.config;
-  const auto index = static_cast<uint32_t>(options_.index);
   DADRL_ASSIGN_OR_RETURN(ActorEpisodeLog log,
                          ActorEpisodeLog::Open(options_.run_directory / "logs" /
                                                fmt::format("episodes-actor-{}.csv", options_.index)));
   log_ = std::make_unique<ActorEpisodeLog>(std::move(log));
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
-  DADRL_ASSIGN_OR_RETURN(
-      node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index, key));
   publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
-  DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, index, incarnation_));
+  DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, identity_.number,
+                                                           identity_.incarnation, lease_.get()));
   DADRL_ASSIGN_OR_RETURN(weights_,
                          WeightsSubscriber::Create(*node_, policy_.parameter_count(), policy_.layout_hash()));
   collector_ = std::make_unique<Collector>(config,
@@ -112,9 +143,9 @@ Status Actor::Connect() {
                                                             .ledger = ledger_,
                                                             .clock = clock_,
                                                             .stop = shutdown_requested},
-                                           index, incarnation_, log_->last_episode());
+                                           identity_.number, identity_.incarnation, log_->last_episode());
   DADRL_ASSIGN_OR_RETURN(
-      reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, options_.index, incarnation_,
+      reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, number(), identity_.incarnation,
                                        {.fill = [this](ProcessStatus& status) { FillStatus(status); },
                                         .ticks = [this] { return collector_->progress().ticks + waits_; },
                                         .waiting_for = [this] { return WaitingFor(); },
@@ -123,13 +154,14 @@ Status Actor::Connect() {
 }
 
 Status Actor::Run() {
-  spdlog::info("actor {} drives {}, cluster at {}:{}", options_.index, options_.config.scenario,
+  spdlog::info("actor number {} drives {}, cluster at {}:{}", identity_.number, options_.config.scenario,
                options_.config.cluster.host, options_.config.cluster.port);
   WaitForReplay();
   ledger_.Enter(Activity::kWork);
   while (!shutdown_requested) {
     DADRL_ASSIGN_OR_RETURN(const auto episode, collector_->RunEpisode());
     if (episode) Record(*episode);
+    DADRL_RETURN_IF_ERROR(writer_->status());
     DADRL_RETURN_IF_ERROR(CheckLayout());
   }
   DADRL_RETURN_IF_ERROR(address_);
@@ -150,9 +182,9 @@ void Actor::WaitForReplay() {
 }
 
 void Actor::Record(const CollectedEpisode& episode) {
-  const EpisodeReport report = ReportOf(episode, options_.index, incarnation_);
+  const EpisodeReport report = ReportOf(episode, number(), identity_.incarnation);
   publisher_->Publish(report);
-  const Status appended = log_->Append(incarnation_, report.sent_ns, episode);
+  const Status appended = log_->Append(identity_.incarnation, report.sent_ns, episode);
   const bool failed_before = std::exchange(log_failed_, !appended);
   if (!appended && !failed_before) {
     spdlog::error("episodes cannot be logged now, they follow later: {}", appended.error().message);
@@ -180,7 +212,9 @@ void Actor::FillStatus(ProcessStatus& status) const {
   set(Metric::kOffRoads, progress.outcomes[static_cast<size_t>(Outcome::kOffRoad)]);
   set(Metric::kStagnations, progress.outcomes[static_cast<size_t>(Outcome::kStagnation)]);
   set(Metric::kSimulatorFailures, progress.simulator_failures);
-  set(Metric::kBacklogBytes, writer_->statistics().backlog_bytes);
+  const ExperienceWriter::Statistics writer = writer_->statistics();
+  set(Metric::kBacklogBytes, writer.backlog_bytes);
+  set(Metric::kRefusedChunks, writer.refused);
   set(Metric::kPolicyVersion, progress.policy_version);
   if (progress.policy_version > 0) {
     set(Metric::kPolicyAgeS, static_cast<double>(status.sent_ns - weights_->published_ns()) / 1e9);
@@ -188,12 +222,19 @@ void Actor::FillStatus(ProcessStatus& status) const {
   status.activities = ledger_.Read();
 }
 
+std::string Actor::WaitingForNumber() const {
+  const ClusterConfig& cluster = options_.config.cluster;
+  const int port = dds::WellKnownPort(cluster, dds::Plane::kControl, 0);
+  if (!lease_->connected()) return fmt::format("the replay at {}:{}", cluster.host, port);
+  return fmt::format("an actor number from the replay at {}:{}", cluster.host, port);
+}
+
 std::string Actor::WaitingFor() const {
   if (writer_->statistics().replay_present) return {};
   const ClusterConfig& cluster = options_.config.cluster;
-  const int shard = options_.index % options_.config.replay.shards;
+  const int shard = number() % options_.config.replay.shards;
   return fmt::format("the replay at {}:{}", cluster.host,
-                     dds::WellKnownPort(cluster, dds::Plane::kData, shard));
+                     dds::WellKnownPort(cluster, dds::Plane::kExperience, shard));
 }
 
 // A node cannot change its address: the process ends, and is started again with the new one.
@@ -207,9 +248,22 @@ void Actor::WatchAddress() {
 
 }  // namespace
 
-Status RunCollect(const CollectOptions& options) {
-  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<Actor> actor, Actor::Create(options));
-  return actor->Run();
+Result<int> RunCollect(const CollectOptions& options) {
+  Status done;
+  if (auto actor = Actor::Create(options)) {
+    done = (*actor)->Run();
+  } else if (shutdown_requested) {
+    return 0;
+  } else {
+    done = tl::unexpected<Error>(std::move(actor.error()));
+  }
+  if (done) return 0;
+  // With any other number it could go on; started again, it gets one.
+  if (done.error().code != ErrorCode::kExhausted || options.any_number) {
+    return tl::unexpected<Error>(std::move(done.error()));
+  }
+  spdlog::error("{}", done.error().message);
+  return kExitTurnedAway;
 }
 
 }  // namespace dadrl

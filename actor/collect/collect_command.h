@@ -12,12 +12,16 @@ namespace dadrl {
 struct CollectOptions {
   Config config;
   std::filesystem::path run_directory;  // logs/episodes-actor-N.csv goes here
-  int index = 0;                        // unique among the actors of the run
+  int index = 0;                        // its number in the run, and in the names of its files
+  // The run gives out a number; then `index` only stands in the names of its files.
+  bool any_number = false;
 };
 
 // Drives and sends experience until shutdown_requested, then waits a few seconds for the last
-// acknowledgements. Waits, without end, for a replay that is not there. kInvalidArgument: the configuration,
-// an unknown scenario, or a learner with another network; kInternal: the simulator cannot be used.
-Status RunCollect(const CollectOptions& options);
+// acknowledgements. Waits, without end, for a replay that is not there. The exit code: 0, or kExitTurnedAway
+// when another actor has the number, with the reason in the log. kInvalidArgument: the configuration, an
+// unknown scenario, a replay of another version or a learner with another network; kInternal: the simulator
+// cannot be used.
+Result<int> RunCollect(const CollectOptions& options);
 
 }  // namespace dadrl

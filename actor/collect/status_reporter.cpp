@@ -55,7 +55,7 @@ void StatusReporter::Run() {
     const TimePoint now = Now();
     Beat(now);
     if (source_.on_beat) source_.on_beat();
-    NoticeWait(now);
+    wait_notice_.Update(source_.waiting_for(), now);
     if (now >= next_status_) PublishStatus(now);
   } while (!WaitForStop(std::min(beat_interval_, status_interval_)));
 }
@@ -96,19 +96,6 @@ void StatusReporter::PublishStatus(TimePoint now) {
   status.uptime_s = ToSeconds(now - started_);
   source_.fill(status);
   publisher_.Publish(status);
-}
-
-void StatusReporter::NoticeWait(TimePoint now) {
-  const std::string whom = source_.waiting_for();
-  if (whom.empty()) {
-    if (!noticed_.empty()) spdlog::info("no longer waiting for {}", noticed_);
-    noticed_.clear();
-    return;
-  }
-  if (!noticed_.empty() && now < next_notice_) return;
-  spdlog::info("waiting for {}", whom);
-  noticed_ = whom;
-  next_notice_ = now + kWaitNotice;
 }
 
 }  // namespace dadrl

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "actor/collect/wait_notice.h"
 #include "common/dds/endpoint.h"
 #include "common/util/mutex.h"
 #include "proto/telemetry.h"
@@ -23,8 +24,8 @@ class StatusReporter {
     std::function<void(ProcessStatus&)> fill;
     // A counter that moves whenever the loop does.
     std::function<uint64_t()> ticks;
-    // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged at once,
-    // then every kWaitNotice, and when it is over.
+    // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged by
+    // WaitNotice.
     std::function<std::string()> waiting_for;
     // Called on the reporter's thread with every beat; may be empty.
     std::function<void()> on_beat = {};
@@ -32,7 +33,6 @@ class StatusReporter {
 
   // Loading and warming up a simulation counts as one move.
   static constexpr Duration kHangLimit = std::chrono::seconds(60);
-  static constexpr Duration kWaitNotice = std::chrono::seconds(10);
 
   // Borrows `node` and `publisher`.
   static Result<std::unique_ptr<StatusReporter>> Start(const dds::Node& node, TelemetryPublisher& publisher,
@@ -47,7 +47,6 @@ class StatusReporter {
   bool WaitForStop(Duration timeout);
   void Beat(TimePoint now);
   void PublishStatus(TimePoint now);
-  void NoticeWait(TimePoint now);
 
   TelemetryPublisher& publisher_;
   const Duration status_interval_;
@@ -61,8 +60,7 @@ class StatusReporter {
   TimePoint started_;
   TimePoint next_status_;
   TimePoint moved_;
-  TimePoint next_notice_;
-  std::string noticed_;  // the wait that was logged, until it is over
+  WaitNotice wait_notice_;
   uint64_t last_ticks_ = 0;
   uint64_t beats_ = 0;
   bool hung_ = false;

@@ -15,9 +15,11 @@ TimePoint Now() { return SystemClock().Now(); }
 
 }  // namespace
 
-ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation)
+ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation,
+                                   LeaseHolder* lease)
     : actor_(actor),
       incarnation_(incarnation),
+      lease_(lease),
       shard_(actor % static_cast<uint32_t>(config.replay.shards)),
       chunk_frames_(std::clamp(config.actor.chunk_frames, 1, kMaxChunkFrames)),
       max_backlog_bytes_(config.actor.max_unacknowledged_bytes),
@@ -25,8 +27,8 @@ ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_
 
 Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const dds::Node& node,
                                                                    const Config& config, uint32_t actor,
-                                                                   uint64_t incarnation) {
-  std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation));
+                                                                   uint64_t incarnation, LeaseHolder* lease) {
+  std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation, lease));
   DADRL_ASSIGN_OR_RETURN(writer->acknowledgements_,
                          AcknowledgementReader::Create(node, AcknowledgementTopic(actor)));
   DADRL_ASSIGN_OR_RETURN(writer->chunks_,
@@ -80,6 +82,7 @@ void ExperienceWriter::FlushChunk() {
 
 bool ExperienceWriter::blocked() const {
   MutexLock lock(mutex_);
+  if (!status_) return false;
   if (statistics_.backlog_bytes >= max_backlog_bytes_) return true;
   return statistics_.replay_present && statistics_.chunks > statistics_.granted + kAhead;
 }
@@ -88,12 +91,12 @@ bool ExperienceWriter::Flush(Duration timeout) {
   EndEpisode();
   const TimePoint deadline = Now() + timeout;
   MutexLock lock(mutex_);
-  while (statistics_.acknowledged < sequence_) {
+  while (status_ && statistics_.acknowledged < sequence_) {
     const Duration left = deadline - Now();
     if (left <= Duration::zero()) return false;
     acknowledged_changed_.WaitFor(mutex_, left);
   }
-  return true;
+  return statistics_.acknowledged == sequence_;
 }
 
 ExperienceWriter::Statistics ExperienceWriter::statistics() const {
@@ -107,8 +110,17 @@ void ExperienceWriter::Run() {
     TakeAcknowledgements();
     NoticePeer();
     Publish();
-    SendOrWait();
+    if (ShowLease()) {
+      SendOrWait();
+    } else {
+      acknowledgements_->Wait(kPeerPoll);
+    }
   }
+}
+
+bool ExperienceWriter::ShowLease() {
+  if (lease_ != nullptr && !lease_->Step(Now())) End(Fail(ErrorCode::kExhausted, "{}", lease_->lost()));
+  return status().has_value();
 }
 
 void ExperienceWriter::TakeProduced() {
@@ -122,24 +134,72 @@ void ExperienceWriter::TakeProduced() {
 
 void ExperienceWriter::TakeAcknowledgements() {
   acknowledgements_->Take(1 << 20, [this](const dadrl_idl_Acknowledgement& ack) {
-    if (ack.actor != actor_ || ack.shard != shard_ || ack.incarnation != incarnation_) return;
-    const uint64_t before = backlog_.acknowledged();
-    switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, Now())) {
-      case Backlog::AckEffect::kAccepted:
-        break;
-      case Backlog::AckEffect::kForgotten:
-        if (std::exchange(told_of_forgotten_, true)) break;
-        spdlog::warn("replay shard {} has forgotten this actor's chunks {} to {}: they are lost", shard_,
-                     ack.stored_sequence + 1, before);
-        break;
-      case Backlog::AckEffect::kAlien:
-        if (alien_acknowledgements_++ == 0) {
-          spdlog::warn("replay shard {} acknowledges chunk {}, but this actor made only {}: ignored", shard_,
-                       ack.stored_sequence, backlog_.last_sequence());
-        }
-        break;
-    }
+    if (ack.actor == actor_ && ack.shard == shard_) OnAcknowledgement(ack);
   });
+}
+
+void ExperienceWriter::OnAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
+  if (ack.incarnation > incarnation_) {
+    End(Fail(
+        ErrorCode::kExhausted,
+        "actor number {} belongs to another process by now: replay shard {} takes chunks of its incarnation "
+        "{}, this one is {}",
+        actor_, shard_, ack.incarnation, incarnation_));
+  }
+  if (ack.incarnation != incarnation_) return;
+  CountRefusals(ack);
+  const uint64_t before = backlog_.acknowledged();
+  switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, Now())) {
+    case Backlog::AckEffect::kAccepted:
+      alien_since_ = {};
+      break;
+    case Backlog::AckEffect::kForgotten:
+      if (std::exchange(told_of_forgotten_, true)) break;
+      spdlog::warn("replay shard {} has forgotten this actor's chunks {} to {}: they are lost", shard_,
+                   ack.stored_sequence + 1, before);
+      break;
+    case Backlog::AckEffect::kAlien:
+      OnAlien(ack);
+      break;
+  }
+}
+
+void ExperienceWriter::CountRefusals(const dadrl_idl_Acknowledgement& ack) {
+  const uint64_t before = std::exchange(refused_there_, ack.refused);
+  if (ack.refused == before) return;
+  const auto fault = static_cast<ChunkFault>(ack.refusal);
+  if (fault == ChunkFault::kStale) {
+    return End(Fail(ErrorCode::kExhausted, "replay shard {}: {}", shard_, ack.reason));
+  }
+  if (refused_ == 0) {
+    spdlog::error("replay shard {} refuses chunk {} for good ({}): {}; it is dropped, more are counted",
+                  shard_, ack.refused_sequence, ChunkFaultName(fault), ack.reason);
+  }
+  // A shard that was restarted counts anew.
+  refused_ += ack.refused > before ? ack.refused - before : ack.refused;
+}
+
+void ExperienceWriter::OnAlien(const dadrl_idl_Acknowledgement& ack) {
+  if (alien_acknowledgements_++ == 0) {
+    spdlog::warn("replay shard {} acknowledges chunk {}, but this actor made only {}: ignored", shard_,
+                 ack.stored_sequence, backlog_.last_sequence());
+  }
+  if (alien_since_ == TimePoint{}) alien_since_ = Now();
+  if (Now() - alien_since_ < kAlienLimit) return;
+  End(Fail(
+      ErrorCode::kCorrupt,
+      "replay shard {} acknowledges chunk {} of actor {}, which made only {}: another sends under its number",
+      shard_, ack.stored_sequence, actor_, backlog_.last_sequence()));
+}
+
+void ExperienceWriter::End(Status why) {
+  MutexLock lock(mutex_);
+  if (status_) status_ = std::move(why);
+}
+
+Status ExperienceWriter::status() const {
+  MutexLock lock(mutex_);
+  return status_;
 }
 
 void ExperienceWriter::NoticePeer() {
@@ -158,6 +218,8 @@ void ExperienceWriter::SendOrWait() {
   }
   dadrl_idl_ChunkMessage message{};
   message.actor = actor_;
+  message.incarnation = incarnation_;
+  message.chunk_sequence = chunk->sequence;
   message.oldest_kept = backlog_.oldest_kept();
   message.bytes._buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(chunk->bytes.data()));
   message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(chunk->bytes.size());
@@ -178,6 +240,7 @@ void ExperienceWriter::Publish() {
   statistics_.acknowledged = backlog_.acknowledged();
   statistics_.granted = backlog_.granted();
   statistics_.resent = backlog_.resent_chunks();
+  statistics_.refused = refused_;
   statistics_.alien_acknowledgements = alien_acknowledgements_;
   statistics_.replay_present = chunks_->matched() > 0;
   acknowledged_changed_.NotifyAll();

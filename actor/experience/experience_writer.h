@@ -9,6 +9,7 @@
 
 #include "actor/experience/backlog.h"
 #include "actor/experience/experience_sink.h"
+#include "actor/experience/lease_holder.h"
 #include "common/config/config.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
@@ -28,14 +29,17 @@ class ExperienceWriter final : public ExperienceSink {
     uint64_t acknowledged = 0;  // of them
     uint64_t granted = 0;       // sequence up to which the replay takes chunks
     uint64_t resent = 0;        // chunks sent more than once
+    uint64_t refused = 0;       // chunks that the replay will never take: dropped
     uint64_t alien_acknowledgements = 0;
     int64_t backlog_bytes = 0;
     bool replay_present = false;
   };
 
-  // Writes to shard `actor` mod `shards`. `incarnation` grows with each start of this actor. Borrows `node`.
+  // Writes to shard `actor` mod `shards`. `incarnation` grows with each start of this actor. Borrows `node`,
+  // and `lease`, if there is one: the sender thread shows it, and once it is lost nothing is sent any more.
   static Result<std::unique_ptr<ExperienceWriter>> Create(const dds::Node& node, const Config& config,
-                                                          uint32_t actor, uint64_t incarnation);
+                                                          uint32_t actor, uint64_t incarnation,
+                                                          LeaseHolder* lease = nullptr);
   // Loses what is not acknowledged: Flush first.
   ~ExperienceWriter() override;
 
@@ -52,25 +56,38 @@ class ExperienceWriter final : public ExperienceSink {
   bool Flush(Duration timeout);
 
   Statistics statistics() const;
+  // An error once the replay takes nothing of this actor any more and never will; then nothing blocks. All
+  // else passes, and is waited for. kExhausted: another has its number. kCorrupt: another spoke under its
+  // number, and a new incarnation is free of that.
+  Status status() const;
 
   static constexpr uint64_t kAhead = 4;
+  // A replay that acknowledges for so long what was never sent has heard another under this actor's name.
+  static constexpr Duration kAlienLimit = std::chrono::seconds(10);
 
  private:
   using ChunkWriter = dds::Writer<dadrl_idl_ChunkMessage>;
   using AcknowledgementReader = dds::Reader<dadrl_idl_Acknowledgement>;
 
-  ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation);
+  ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation, LeaseHolder* lease);
   void FlushChunk();
   // The rest runs on the sender thread.
   void Run();
+  // False once the replay takes nothing of this actor any more.
+  bool ShowLease();
   void TakeProduced();
   void TakeAcknowledgements();
+  void OnAcknowledgement(const dadrl_idl_Acknowledgement& ack);
+  void CountRefusals(const dadrl_idl_Acknowledgement& ack);
+  void OnAlien(const dadrl_idl_Acknowledgement& ack);
+  void End(Status why);
   void NoticePeer();
   void SendOrWait();
   void Publish();
 
   const uint32_t actor_;
   const uint64_t incarnation_;
+  LeaseHolder* const lease_;
   const uint32_t shard_;
   const int chunk_frames_;
   const int64_t max_backlog_bytes_;
@@ -85,11 +102,15 @@ class ExperienceWriter final : public ExperienceSink {
   CondVar acknowledged_changed_;
   std::vector<Backlog::Chunk> produced_ DADRL_GUARDED_BY(mutex_);
   Statistics statistics_ DADRL_GUARDED_BY(mutex_);
+  Status status_ DADRL_GUARDED_BY(mutex_);
 
   // Sender thread.
   Backlog backlog_;
   uint64_t match_generation_ = 0;
   uint64_t alien_acknowledgements_ = 0;
+  TimePoint alien_since_{};  // {}: the last acknowledgement was sane
+  uint64_t refused_ = 0;
+  uint64_t refused_there_ = 0;      // as the present replay counts them
   bool told_of_forgotten_ = false;  // of the present replay
   std::unique_ptr<ChunkWriter> chunks_;
   std::unique_ptr<AcknowledgementReader> acknowledgements_;

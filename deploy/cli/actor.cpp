@@ -1,5 +1,4 @@
 #include <poll.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -10,12 +9,12 @@
 #include "common/config/validate.h"
 #include "common/dds/address.h"
 #include "common/io/run_key.h"
-#include "common/util/random.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/episode_log.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_finder.h"
+#include "deploy/local/run_watch.h"
 #include "deploy/local/signals.h"
 #include "deploy/local/supervisor.h"
 
@@ -25,7 +24,7 @@ namespace {
 struct ActorOptions {
   std::string join;
   int actors = 1;
-  int first_index = -1;  // -1: drawn
+  int first_index = -1;  // -1: numbers that the run gives out
   std::string run_dir;
   std::string key_file;
   ConfigOptions config;
@@ -43,46 +42,80 @@ Result<std::string> Key(const ActorOptions& options, const std::string& host) {
   return dds::IsLoopback(address) ? LoadRunKey("runs/latest") : std::string();
 }
 
-// Numbers that no other joining machine will have, and far from those of the cluster's own actors.
-int DrawFirstIndex(int actors) {
-  constexpr uint64_t kLast = 1'000'000;
-  Random random(DeriveSeed(static_cast<uint64_t>(WallTimeNs()), static_cast<uint64_t>(getpid())));
-  return 10'000 + static_cast<int>(random.Below(kLast - 10'000 - static_cast<uint64_t>(actors)));
-}
-
 // Without throwing where standard error is gone, as fmt::print would.
 void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 
-// Supervises until the user stops it or no actor is left.
-Result<int> RunActors(std::vector<ProcessSpec> specs, EpisodeLog episodes, SignalWatcher& signals) {
-  const SystemClock clock;
-  Supervisor supervisor(RestartLimits{}, clock, Say);
-  BecomeSubreaper();
-  for (ProcessSpec& spec : specs) DADRL_RETURN_IF_ERROR(supervisor.Start(std::move(spec)));
-  bool stopping = false;
-  bool failing = false;
-  const auto update_episodes = [&] {
-    const Status written = episodes.Update();
-    if (!written && !std::exchange(failing, true)) Say(written.error().message);
-    if (written) failing = false;
-  };
-  while (!supervisor.AllEnded()) {
-    std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
-    supervisor.AppendWaitFds(fds);
-    const auto wait = std::chrono::duration_cast<std::chrono::milliseconds>(supervisor.NextDeadline(kTick));
-    poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
-    supervisor.Step();
-    ReapAdopted(supervisor.RunningPids());
-    update_episodes();
-    if (signals.KillRequested()) supervisor.KillAll();
-    if (signals.StopRequested() && !stopping) {
-      stopping = true;
-      supervisor.StopRole(kActorRole);
-      Say("waiting for the actors to finish their step; once more Ctrl-C kills them");
+// The actors of one join, from their start to the exit code.
+class JoinedActors {
+ public:
+  JoinedActors(SignalWatcher& signals, std::unique_ptr<RunWatch> watch, EpisodeLog episodes)
+      : signals_(signals),
+        watch_(std::move(watch)),
+        episodes_(std::move(episodes)),
+        supervisor_(RestartLimits{}, clock_, Say) {}
+
+  // Supervises until the user stops it, the run has ended, or no actor is left.
+  Result<int> Run(std::vector<ProcessSpec> specs) {
+    BecomeSubreaper();
+    for (ProcessSpec& spec : specs) DADRL_RETURN_IF_ERROR(supervisor_.Start(std::move(spec)));
+    while (!supervisor_.AllEnded()) {
+      std::vector<pollfd> fds = {{.fd = signals_.fd(), .events = POLLIN, .revents = 0}};
+      supervisor_.AppendWaitFds(fds);
+      const auto wait =
+          std::chrono::duration_cast<std::chrono::milliseconds>(supervisor_.NextDeadline(kTick));
+      poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
+      supervisor_.Step();
+      ReapAdopted(supervisor_.RunningPids());
+      UpdateEpisodes();
+      if (signals_.KillRequested()) supervisor_.KillAll();
+      if (signals_.StopRequested()) {
+        Stop("waiting for the actors to finish their step; once more Ctrl-C kills them");
+      }
+      LookAtRun();
+    }
+    UpdateEpisodes();
+    return lost_run_ || supervisor_.Lost() ? 1 : 0;
+  }
+
+ private:
+  void LookAtRun() {
+    const RunPresence::Verdict verdict = watch_->Look();
+    if (const auto notice = watch_->TakeNotice()) Say(*notice);
+    if (verdict == RunPresence::Verdict::kEnded)
+      Stop("the run has ended, and so do the actors that joined it");
+    if (verdict == RunPresence::Verdict::kGivenUp) {
+      lost_run_ = true;
+      Stop("the run does not come back: the actors that joined it end");
     }
   }
-  update_episodes();
-  return supervisor.Lost() ? 1 : 0;
+  void UpdateEpisodes() {
+    const Status written = episodes_.Update();
+    const bool failed_before = std::exchange(failing_, !written);
+    if (!written && !failed_before) Say(written.error().message);
+  }
+  void Stop(const char* why) {
+    if (std::exchange(stopping_, true)) return;
+    Say(why);
+    supervisor_.StopRole(kActorRole);
+  }
+
+  const SystemClock clock_;
+  SignalWatcher& signals_;
+  const std::unique_ptr<RunWatch> watch_;
+  EpisodeLog episodes_;
+  Supervisor supervisor_;
+  bool failing_ = false;  // to write the episodes
+  bool stopping_ = false;
+  bool lost_run_ = false;
+};
+
+// Those below belong to the run's own actors, which may be down at the moment and come back.
+Status CheckFirstIndex(int first_index, const Config& run) {
+  if (first_index < 0 || first_index >= run.actor.count) return {};
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "--first-index: {} is one of the run's own actors, 0 to {}; choose {} or more, or leave it away",
+      first_index, run.actor.count - 1, run.actor.count);
 }
 
 Result<int> RunJoin(const ActorOptions& options) {
@@ -95,19 +128,23 @@ Result<int> RunJoin(const ActorOptions& options) {
                          FindRun(place, kPatience, [&] { return signals->StopRequested(); }));
   DADRL_ASSIGN_OR_RETURN(const Config config, options.config.Apply(run));
   DADRL_RETURN_IF_ERROR(Validate(config));
+  DADRL_RETURN_IF_ERROR(CheckFirstIndex(options.first_index, run));
   const auto root = options.run_dir.empty() ? NewRunPath("runs", "join-" + place.host)
                                             : std::filesystem::path(options.run_dir);
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(root));
   DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
   if (!place.key.empty()) DADRL_RETURN_IF_ERROR(SaveRunKey(root, place.key));
-  const int first = options.first_index >= 0 ? options.first_index : DrawFirstIndex(options.actors);
+  const bool chosen = options.first_index >= 0;
   DADRL_ASSIGN_OR_RETURN(std::vector<ProcessSpec> specs,
-                         ActorProcesses(directory.paths(), first, options.actors));
-  fmt::print(stderr, "actors {} to {} join {}; logs in {}\n", first, first + options.actors - 1, options.join,
+                         ActorProcesses(directory.paths(), chosen ? options.first_index : 0, options.actors,
+                                        chosen ? ActorNumbers::kOwn : ActorNumbers::kGiven));
+  const SystemClock clock;
+  DADRL_ASSIGN_OR_RETURN(auto watch, RunWatch::Create(config, place.key, clock));
+  fmt::print(stderr, "{} actors join {}; logs in {}\n", options.actors, options.join,
              directory.paths().logs().string());
   DADRL_ASSIGN_OR_RETURN(EpisodeLog episodes,
                          EpisodeLog::Open(directory.paths().episodes(), directory.paths().logs()));
-  return RunActors(std::move(specs), std::move(episodes), *signals);
+  return JoinedActors(*signals, std::move(watch), std::move(episodes)).Run(std::move(specs));
 }
 
 }  // namespace
@@ -124,7 +161,8 @@ Command MakeActorCommand(CLI::App& dadrl) {
       ->type_name("HOST[:PORT]");
   app->add_option("--actors", options->actors, "How many (default 1)")->check(CLI::Range(1, 4096));
   app->add_option("--first-index", options->first_index,
-                  "Number of the first actor, unique in the cluster (default: drawn)")
+                  "Numbers from here on for the actors, or none at all: those that others hold are refused "
+                  "(default: free numbers, which the run gives out)")
       ->check(CLI::Range(0, 900'000));
   app->add_option("--key", options->key_file,
                   "The run's key, needed for a run on 127.0.0.1 and one with cluster.require_key (default: "

@@ -28,12 +28,14 @@ Arguments Common(const std::filesystem::path& program, const RunPaths& paths) {
 
 }  // namespace
 
-Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count) {
+Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count,
+                                                ActorNumbers numbers) {
   DADRL_ASSIGN_OR_RETURN(const auto program, FindExecutable("dadrl-actor"));
   std::vector<ProcessSpec> specs;
   for (int index = first; index < first + count; ++index) {
     Arguments arguments = {program,     "collect",  "--config", paths.config(),
                            "--run-dir", paths.root, "--index",  std::to_string(index)};
+    if (numbers == ActorNumbers::kGiven) arguments.emplace_back("--any-number");
     ProcessSpec spec = Spec(paths, fmt::format("actor-{}", index), kActorRole, std::move(arguments));
     spec.expendable = true;
     spec.nice = kActorNice;

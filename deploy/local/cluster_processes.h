@@ -18,7 +18,13 @@ inline constexpr const char* kActorRole = "actor";
 // been saved to the run directory. kNotFound when a program is missing.
 Result<std::vector<ProcessSpec>> ClusterProcesses(const RunPaths& paths, const Config& config);
 
+// Whose numbers actors have.
+enum class ActorNumbers {
+  kOwn,    // the ones asked for, or none
+  kGiven,  // any that the run gives out; `first` only begins the names of processes and files
+};
 // Actors `first` to `first + count - 1`.
-Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count);
+Result<std::vector<ProcessSpec>> ActorProcesses(const RunPaths& paths, int first, int count,
+                                                ActorNumbers numbers = ActorNumbers::kOwn);
 
 }  // namespace dadrl

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <csignal>
 
+#include "common/util/exit_code.h"
+
 namespace dadrl {
 
 RestartDecision RestartPolicy::OnEnd(TimePoint now, const Ended& ended) {
@@ -17,6 +19,9 @@ RestartDecision RestartPolicy::OnEnd(TimePoint now, const Ended& ended) {
   if (ended.was_ready) before_ready_in_a_row_ = 0;
   if (!ended.was_ready && !killed) ++before_ready_in_a_row_;
 
+  if (!ended.status.signaled && ended.status.value == kExitTurnedAway) {
+    return GiveUp{"another process has its place in the run"};
+  }
   if (!ended.was_ready && !ended.status.signaled && ended.status.value == 2) {
     return GiveUp{"it refuses its configuration"};
   }

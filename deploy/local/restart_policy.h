@@ -44,7 +44,8 @@ class RestartPolicy {
   RestartPolicy(const RestartLimits& limits, uint64_t seed) : limits_(limits), random_(seed) {}
 
   // The process ended at `now` although nobody asked it to. Wrong usage (exit code 2) before it was ever
-  // ready is given up at once: the same configuration fails the same way.
+  // ready is given up at once: the same configuration fails the same way. So is, at any time, one whose place
+  // in the run another has (kExitTurnedAway).
   RestartDecision OnEnd(TimePoint now, const Ended& ended);
 
  private:

@@ -60,11 +60,11 @@ Status ReplayService::Join() {
       server_, BatchServer::Create(*node_, options_.shard, *table_, clock_, [this] { ingest_->Wake(); }));
   DADRL_ASSIGN_OR_RETURN(
       ingest_, Ingest::Create(*node_, config, options_.shard, *table_, clock_, [this] { server_->Wake(); }));
-  DADRL_ASSIGN_OR_RETURN(keeper_, Keeper::Create(*node_, config, options_.shard, options_.run_directory,
-                                                 *table_, clock_, [this] {
-                                                   ingest_->Wake();
-                                                   server_->Wake();
-                                                 }));
+  keeper_ = std::make_unique<Keeper>(config.replay, options_.shard, options_.run_directory, *table_, clock_);
+  DADRL_ASSIGN_OR_RETURN(commands_, CommandDesk::Create(*node_, options_.shard, *table_, *keeper_, [this] {
+                           ingest_->Wake();
+                           server_->Wake();
+                         }));
   return {};
 }
 
@@ -77,9 +77,32 @@ Status ReplayService::AnnounceRun() {
   message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
   DADRL_ASSIGN_OR_RETURN(run_config_, dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
   DADRL_RETURN_IF_ERROR(run_config_->Write(message));
+  DADRL_ASSIGN_OR_RETURN(run_state_, dds::Writer<dadrl_idl_RunState>::Create(*node_, kRunStateTopic));
+  SayState(false);
+  DADRL_RETURN_IF_ERROR(OpenLeases());
   if (!config.telemetry.enabled) return {};
   DADRL_ASSIGN_OR_RETURN(relay_, TelemetryRelay::Create(*node_, config.cluster));
   return {};
+}
+
+Status ReplayService::OpenLeases() {
+  uint64_t least = 0;
+  for (const SequenceTable::Stream& stream : table_->Streams()) {
+    least = std::max(least, stream.incarnation + 1);
+  }
+  DADRL_ASSIGN_OR_RETURN(leases_,
+                         LeaseOffice::Create(*node_, options_.config, table_->schema(), least, clock_));
+  return {};
+}
+
+// Whoever has joined waits for a replay that was killed, and not for one that ends with its run.
+void ReplayService::SayState(bool ending) {
+  if (!run_state_) return;
+  const dadrl_idl_RunState state{
+      .port = options_.config.cluster.port, .incarnation = options_.incarnation, .ending = ending};
+  if (const Status said = run_state_->Write(state); !said) {
+    spdlog::warn("state of the run: {}", said.error().message);
+  }
 }
 
 Status ReplayService::Run(const std::atomic<bool>& stop) {
@@ -106,10 +129,12 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
       next_status = now + status_interval;
     }
     if (relay_) relay_->Pass();
+    if (leases_) leases_->Serve();
+    commands_->Serve();
     sleeper.SleepFor(kTick);
   }
+  SayState(true);
   stopping = true;
-  keeper_->Wake();
   ingest.join();
   server.join();
   keeper.join();

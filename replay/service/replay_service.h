@@ -2,8 +2,9 @@
 //
 //   ingest thread   chunks -> table, acknowledgements; the only one that writes experience
 //   server thread   requests -> batches, priorities
-//   keeper thread   syncs, state, snapshots, commands (keeper.h)
-//   caller of Run   heartbeats, telemetry, waits for the end
+//   keeper thread   what blocks on the disk: syncs, state, snapshots (keeper.h)
+//   caller of Run   what never blocks: commands, leases of actor numbers, heartbeats, telemetry, waits for
+//   the end
 #pragma once
 
 #include <atomic>
@@ -19,8 +20,10 @@
 #include "proto/telemetry.h"
 #include "proto/topics.h"
 #include "replay/service/batch_server.h"
+#include "replay/service/command_desk.h"
 #include "replay/service/ingest.h"
 #include "replay/service/keeper.h"
+#include "replay/service/lease_office.h"
 #include "replay/service/telemetry_relay.h"
 #include "replay/table.h"
 
@@ -49,6 +52,8 @@ class ReplayService {
   ReplayService(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
   Status Join();
   Status AnnounceRun();
+  Status OpenLeases();
+  void SayState(bool ending);
   void Beat();
   void PublishStatus();
 
@@ -60,9 +65,12 @@ class ReplayService {
   std::unique_ptr<BatchServer> server_;
   std::unique_ptr<Ingest> ingest_;
   std::unique_ptr<Keeper> keeper_;
+  std::unique_ptr<CommandDesk> commands_;
   std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> heartbeat_;
   // Shard 0's: for who joins, and for who is out of LCM's reach.
   std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> run_config_;
+  std::unique_ptr<dds::Writer<dadrl_idl_RunState>> run_state_;
+  std::unique_ptr<LeaseOffice> leases_;
   std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;
   uint64_t beats_ = 0;

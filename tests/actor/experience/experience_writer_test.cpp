@@ -157,6 +157,48 @@ TEST_F(ExperienceWriterTest, BoundsTheBacklogWhileTheReplayIsAway) {
   ExpectEverythingStored();
 }
 
+TEST_F(ExperienceWriterTest, DropsAndCountsWhatIsRefusedForGoodAndGoesOn) {
+  MakeWriter();
+  StartReplay(0);
+  replay_->set_acknowledging(false);
+  DriveEpisode(3);
+  ASSERT_TRUE(Eventually([&] { return replay_->highest_seen() == 1; }));
+  dadrl_idl_Acknowledgement ack{};
+  ack.actor = kActor;
+  ack.incarnation = kIncarnation;
+  ack.stored_sequence = ack.refused_sequence = ack.refused = 1;
+  ack.granted_sequence = 2;
+  ack.refusal = static_cast<uint32_t>(ChunkFault::kContents);
+  replay_->SendAcknowledgement(ack);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().acknowledged == 1; }));
+  ASSERT_TRUE(Eventually([&] { return replay_->highest_seen() == 2; })) << "the next one comes";
+  EXPECT_EQ(writer_->statistics().refused, 1);
+  EXPECT_TRUE(writer_->status());
+  // Two more, of which the first word was lost; then a replay that counts anew.
+  ack.stored_sequence = ack.refused_sequence = ack.refused = 3;
+  replay_->SendAcknowledgement(ack);
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().refused == 3; }));
+  ack.refused = 1;
+  replay_->SendAcknowledgement(ack);
+  EXPECT_TRUE(Eventually([&] { return writer_->statistics().refused == 4; }));
+}
+
+TEST_F(ExperienceWriterTest, EndsWhenALaterIncarnationHasItsNumber) {
+  MakeWriter();
+  StartReplay(0);
+  replay_->set_acknowledging(false);
+  DriveUntilBlocked();
+  dadrl_idl_Acknowledgement ack{};
+  ack.actor = kActor;
+  ack.incarnation = kIncarnation + 1;
+  replay_->SendAcknowledgement(ack);
+  ASSERT_TRUE(Eventually([&] { return !writer_->status(); }));
+  EXPECT_EQ(writer_->status().error().code, ErrorCode::kExhausted);
+  EXPECT_THAT(writer_->status().error().message, testing::HasSubstr("actor number 3"));
+  EXPECT_FALSE(writer_->blocked()) << "nobody waits for what never comes";
+  EXPECT_FALSE(writer_->Flush(std::chrono::seconds(60)));
+}
+
 TEST_F(ExperienceWriterTest, IgnoresAcknowledgementsMeantForOthersOrImpossible) {
   MakeWriter();
   StartReplay(0);

@@ -4,6 +4,8 @@
 
 #include <csignal>
 
+#include "common/util/exit_code.h"
+
 namespace dadrl {
 namespace {
 
@@ -43,6 +45,15 @@ TEST(RestartPolicy, BacksOffExponentiallyUpToItsCap) {
     EXPECT_GE(delay, expected);
     EXPECT_LE(delay, 1.2 * expected);
     now += seconds(60);
+  }
+}
+
+TEST(RestartPolicy, GivesUpAtOnceWhenAnotherHasItsPlace) {
+  for (const bool ready : {false, true}) {
+    RestartPolicy policy(RestartLimits{}, 1);
+    const RestartDecision decision = policy.OnEnd(TimePoint{}, Exit(kExitTurnedAway, ready));
+    ASSERT_TRUE(std::holds_alternative<GiveUp>(decision));
+    EXPECT_THAT(std::get<GiveUp>(decision).reason, testing::HasSubstr("another process has its place"));
   }
 }
 

@@ -1,0 +1,110 @@
+#include "replay/service/lease_office.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "common/util/log.h"
+#include "common/util/random.h"
+
+namespace dadrl {
+namespace {
+
+// A time; beyond what the wire can mean, so that nothing overflows.
+constexpr uint64_t kMaxIncarnation = uint64_t{1} << 63;
+
+// Who is turned away asks again for a while.
+constexpr Duration kLogInterval = std::chrono::seconds(5);
+
+std::string Who(const dadrl_idl_LeaseRequest& message) {
+  return fmt::format("{}, pid {}", message.host, message.pid);
+}
+
+uint32_t DrawFirstAny() {
+  Random random(static_cast<uint64_t>(WallTimeNs()));
+  return LeaseTable::kFirstAny +
+         static_cast<uint32_t>(random.Below(LeaseTable::kMaxNumber - LeaseTable::kFirstAny));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LeaseOffice>> LeaseOffice::Create(const dds::Node& node, const Config& config,
+                                                         uint64_t schema, uint64_t least_incarnation,
+                                                         const Clock& clock) {
+  AnswerWriters answers;
+  for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
+    DADRL_ASSIGN_OR_RETURN(answers[group], AnswerWriter::Create(node, LeaseAnswerTopic({.low = group})));
+  }
+  DADRL_ASSIGN_OR_RETURN(auto requests, RequestReader::Create(node, kLeaseRequestTopic));
+  LeaseTable table(static_cast<uint32_t>(config.actor.count), DrawFirstAny(), clock.Now());
+  return std::unique_ptr<LeaseOffice>(new LeaseOffice(std::move(requests), std::move(answers),
+                                                      std::move(table), schema, least_incarnation, clock));
+}
+
+LeaseOffice::LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,
+                         uint64_t schema, uint64_t least_incarnation, const Clock& clock)
+    : requests_(std::move(requests)),
+      answers_(std::move(answers)),
+      table_(std::move(table)),
+      schema_(schema),
+      least_incarnation_(least_incarnation),
+      clock_(clock) {}
+
+void LeaseOffice::Serve() {
+  requests_->Take(256, [this](const dadrl_idl_LeaseRequest& message) { OnRequest(message); });
+}
+
+void LeaseOffice::OnRequest(const dadrl_idl_LeaseRequest& message) {
+  const LeaseTable::Answer answer = Decide(message);
+  if (answer.verdict == LeaseVerdict::kGranted && (message.incarnation != 0 || message.leaving)) return;
+  Log(message, answer);
+  dadrl_idl_LeaseAnswer sample{};
+  sample.token_high = message.token_high;
+  sample.token_low = message.token_low;
+  sample.protocol = kProtocolVersion;
+  sample.schema = schema_;
+  sample.start = message.start;
+  sample.verdict = static_cast<uint32_t>(answer.verdict);
+  sample.number = answer.number;
+  sample.incarnation = answer.incarnation;
+  std::copy_n(answer.reason.data(), std::min(answer.reason.size(), sizeof(sample.reason) - 1), sample.reason);
+  // If it is lost, the actor asks again.
+  static_cast<void>(answers_[message.token_low % kAcknowledgementGroups]->Write(sample));
+}
+
+LeaseTable::Answer LeaseOffice::Decide(const dadrl_idl_LeaseRequest& message) {
+  if (message.protocol != kProtocolVersion) {
+    return {
+        .verdict = LeaseVerdict::kIncompatible,
+        .reason = fmt::format("the actor speaks version {} of the protocol, the replay {}: install the same "
+                              "version of dadrl on both machines",
+                              message.protocol, kProtocolVersion)};
+  }
+  if (message.schema != schema_) {
+    return {
+        .verdict = LeaseVerdict::kIncompatible,
+        .reason = fmt::format("the actor's observations have schema {:#x}, the replay holds {:#x}: start the "
+                              "actor with the configuration of the run",
+                              message.schema, schema_)};
+  }
+  LeaseTable::Request request{.token = {message.token_high, message.token_low},
+                              .start = std::min<uint64_t>(message.start, kMaxIncarnation),
+                              .number = std::nullopt,
+                              .incarnation = std::min<uint64_t>(message.incarnation, kMaxIncarnation),
+                              .leaving = message.leaving,
+                              .who = Who(message)};
+  // What is too large for a number is one that nobody has.
+  if (message.number >= 0) {
+    request.number = static_cast<uint32_t>(std::min<int64_t>(message.number, LeaseTable::kMaxNumber + 1));
+  }
+  return table_.Ask(request, clock_.Now(), std::max(least_incarnation_, static_cast<uint64_t>(WallTimeNs())));
+}
+
+void LeaseOffice::Log(const dadrl_idl_LeaseRequest& message, const LeaseTable::Answer& answer) {
+  const bool refused = answer.verdict != LeaseVerdict::kGranted && answer.verdict != LeaseVerdict::kWait;
+  if (!refused || clock_.Now() < next_log_) return;
+  next_log_ = clock_.Now() + kLogInterval;
+  spdlog::warn("turned away {}: {}", Who(message), answer.reason);
+}
+
+}  // namespace dadrl

@@ -1,0 +1,141 @@
+// Actors that ask for numbers, and the replay's office that gives them out, over real DDS on a clock of the
+// test's.
+#include "replay/service/lease_office.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "actor/experience/lease_holder.h"
+#include "tests/common/dds/dds_fixture.h"
+
+namespace dadrl {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr uint64_t kSchema = 0xabc;
+
+class LeaseOfficeTest : public testing::Test {
+ protected:
+  LeaseOfficeTest() {
+    config_.cluster = dds::LoopbackCluster();
+    replay_ = dds::MakeNode(config_.cluster, dds::Role::kReplay);
+    actors_ = dds::MakeNode(config_.cluster, dds::Role::kActor);
+    Open();
+    clock_.Advance(kLeaseTerm);
+  }
+  void Open() { office_ = LeaseOffice::Create(*replay_, config_, kSchema, 0, clock_).value(); }
+  std::unique_ptr<LeaseHolder> Actor(uint64_t token, std::optional<uint32_t> number,
+                                     uint64_t schema = kSchema) {
+    return LeaseHolder::Create(
+               *actors_, {.token = {token, token}, .start = 1, .number = number, .schema = schema}, clock_)
+        .value();
+  }
+  // Time passes while an actor waits, and the replay answers.
+  Result<LeaseHolder::Lease> Acquire(LeaseHolder& actor) {
+    return actor.Acquire([this] {
+      office_->Serve();
+      clock_.Advance(250ms);
+      return true;
+    });
+  }
+  // The actor lives for a while.
+  bool Live(LeaseHolder& actor, Duration duration) {
+    bool holds = true;
+    for (const TimePoint end = clock_.Now() + duration; holds && clock_.Now() < end;) {
+      holds = actor.Step(clock_.Now());
+      std::this_thread::yield();
+      office_->Serve();
+      clock_.Advance(10ms);
+    }
+    return holds;
+  }
+
+  Config config_;
+  ManualClock clock_;
+  std::unique_ptr<dds::Node> replay_;
+  std::unique_ptr<dds::Node> actors_;
+  std::unique_ptr<LeaseOffice> office_;
+};
+
+TEST_F(LeaseOfficeTest, OfTwoThatWantANumberOneHasItAndTheOtherIsToldWhoUntilThatOneLeaves) {
+  auto first = Actor(1, 7);
+  const auto lease = Acquire(*first);
+  ASSERT_TRUE(lease) << lease.error().message;
+  EXPECT_EQ(lease->number, 7u);
+  auto second = Actor(2, 7);
+  const auto refused = second->Acquire([&] {
+    Live(*first, 250ms);
+    return true;
+  });
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kExhausted);
+  EXPECT_THAT(refused.error().message, HasSubstr("actor number 7 is held by "));
+  EXPECT_THAT(refused.error().message, HasSubstr(fmt::format("pid {}", getpid())));
+  first.reset();
+  const auto given = Acquire(*second);
+  ASSERT_TRUE(given) << given.error().message;
+  EXPECT_GT(given->incarnation, lease->incarnation);
+}
+
+TEST_F(LeaseOfficeTest, AHolderThatWasAwayTooLongIsToldWhoHasItsNumber) {
+  auto old = Actor(1, 7);
+  ASSERT_TRUE(Acquire(*old));
+  clock_.Advance(kLeaseTerm);
+  auto fresh = Actor(2, 7);
+  ASSERT_TRUE(Acquire(*fresh));
+  ASSERT_TRUE(Eventually([&] { return !Live(*old, 1ms); }));
+  EXPECT_THAT(old->lost(), HasSubstr("actor number 7 went to another actor"));
+  EXPECT_TRUE(Live(*fresh, 10s));
+}
+
+TEST_F(LeaseOfficeTest, AReplayThatWasStartedAgainHearsWhoHasWhichNumber) {
+  auto holder = Actor(1, 7);
+  ASSERT_TRUE(Acquire(*holder));
+  office_.reset();
+  Open();
+  ASSERT_TRUE(Eventually([&] { return holder->connected(); }));
+  auto other = Actor(2, 7);
+  const auto refused = other->Acquire([&] {
+    Live(*holder, 250ms);
+    return true;
+  });
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kExhausted);
+  EXPECT_TRUE(Live(*holder, 10s));
+}
+
+TEST_F(LeaseOfficeTest, OtherObservationsAreTurnedAwayWithBothSidesNamed) {
+  auto actor = Actor(1, 7, 0xdef);
+  const auto refused = Acquire(*actor);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(refused.error().message, HasSubstr("schema 0xdef, the replay holds 0xabc"));
+}
+
+TEST_F(LeaseOfficeTest, AnotherVersionIsTurnedAwayWithBothSidesNamed) {
+  const auto answers = dds::Reader<dadrl_idl_LeaseAnswer>::Create(*actors_, LeaseAnswerTopic({1, 1})).value();
+  const auto requests = dds::Writer<dadrl_idl_LeaseRequest>::Create(*actors_, kLeaseRequestTopic).value();
+  dadrl_idl_LeaseRequest request{};
+  request.token_high = request.token_low = 1;
+  request.protocol = kProtocolVersion + 1;
+  request.schema = kSchema;
+  std::string reason;
+  uint32_t version = 0;
+  EXPECT_TRUE(Eventually([&] {
+    static_cast<void>(requests->Write(request));
+    office_->Serve();
+    answers->Take(1, [&](const dadrl_idl_LeaseAnswer& answer) {
+      version = answer.protocol;
+      reason = answer.reason;
+    });
+    return !reason.empty();
+  }));
+  EXPECT_EQ(version, kProtocolVersion);
+  EXPECT_THAT(reason, HasSubstr(fmt::format("the actor speaks version {} of the protocol, the replay {}",
+                                            kProtocolVersion + 1, kProtocolVersion)));
+}
+
+}  // namespace
+}  // namespace dadrl
