@@ -15,6 +15,7 @@
 #include "common/util/mutex.h"
 #include "proto/experience.h"
 #include "proto/topics.h"
+#include "tests/actor/experience/lease_clerk.h"
 #include "tests/common/util/eventually.h"
 
 namespace dadrl {
@@ -54,6 +55,7 @@ class ReplayPeer {
       acknowledgements_[group] =
           dds::Writer<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(group)).value();
     }
+    clerk_ = std::make_unique<LeaseClerk>(*node_);
     thread_ = std::thread([this] { Run(); });
   }
   // As abrupt as a process's end can be within one: nothing that was received but not taken is kept.
@@ -78,6 +80,7 @@ class ReplayPeer {
  private:
   void Run() {
     while (!stopping_) {
+      clerk_->Serve();
       chunks_->Wait(std::chrono::milliseconds(20));
       chunks_->Take(16, [this](const dadrl_idl_ChunkMessage& message) {
         const auto view = ChunkView::Parse(
@@ -139,6 +142,7 @@ class ReplayPeer {
   uint32_t actor_ = 0;
   uint64_t incarnation_ = 0;
   std::unique_ptr<dds::Node> node_;
+  std::unique_ptr<LeaseClerk> clerk_;
   std::unique_ptr<dds::Reader<dadrl_idl_ChunkMessage>> chunks_;
   std::array<std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>
       acknowledgements_;
