@@ -14,8 +14,11 @@ struct TooDeep {};
 }  // namespace
 
 Result<Json> ParseJson(std::string_view text, std::string_view origin) {
-  const auto limit_depth = [](int depth, Json::parse_event_t, const Json&) {
-    if (depth > kMaxJsonDepth) throw TooDeep();
+  const auto limit_depth = [](int depth, Json::parse_event_t event, const Json&) {
+    // The first level begins at depth 0.
+    const bool begins =
+        event == Json::parse_event_t::array_start || event == Json::parse_event_t::object_start;
+    if (begins && depth >= kMaxJsonDepth) throw TooDeep();
     return true;
   };
   try {
