@@ -2,11 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-
-#include "common/util/log.h"
-
 namespace dadrl {
 namespace {
 

@@ -1,7 +1,6 @@
 // An actor's number in the run: asked for once, kept by showing it again and again.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>

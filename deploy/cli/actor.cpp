@@ -81,8 +81,9 @@ class JoinedActors {
   void LookAtRun() {
     const RunPresence::Verdict verdict = watch_->Look();
     if (const auto notice = watch_->TakeNotice()) Say(*notice);
-    if (verdict == RunPresence::Verdict::kEnded)
+    if (verdict == RunPresence::Verdict::kEnded) {
       Stop("the run has ended, and so do the actors that joined it");
+    }
     if (verdict == RunPresence::Verdict::kGivenUp) {
       lost_run_ = true;
       Stop("the run does not come back: the actors that joined it end");
