@@ -6,8 +6,15 @@
 #include "actor/mixed_environment.h"
 #include "actor/sim/scenario.h"
 #include "common/config/config_schema.h"
+#include "common/liveness/working_thread.h"
 
 namespace dadrl {
+namespace {
+
+// Of a network and its warm-up: the simulator cannot say that it gets on.
+constexpr Duration kLongestLoad = std::chrono::minutes(10);
+
+}  // namespace
 
 Result<std::unique_ptr<Environment>> MakeDrivingEnvironment(const Config& config) {
   if (config.scenario == kAllScenarios) return MixedEnvironment::Create(config);
@@ -39,6 +46,7 @@ DrivingEnvironment::DrivingEnvironment(const Config& config, const EnvironmentOp
       observation_(ObservationSpec::From(config.observation)) {}
 
 Status DrivingEnvironment::Reset(uint64_t seed) {
+  const LongWork loading(kLongestLoad);
   running_ = false;
   DADRL_RETURN_IF_ERROR(simulation_->Reset(seed));
   const EgoState& ego = world().ego;
@@ -65,6 +73,7 @@ Result<StepResult> DrivingEnvironment::Step(const Action& action) {
 }
 
 Result<StepResult> DrivingEnvironment::Drive(const DriveCommand& command, int steps) {
+  Beat();
   if (!std::isfinite(command.target_speed_mps) || command.target_speed_mps < 0.0) {
     return Fail(ErrorCode::kInvalidArgument, "the target speed is {} m/s; it must be finite and at least 0",
                 command.target_speed_mps);

@@ -6,6 +6,7 @@
 #include "actor/evaluation/evaluation.h"
 #include "actor/render/render_command.h"
 #include "common/config/config_yaml.h"
+#include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "proto/evaluation/seed_range.h"
@@ -184,6 +185,7 @@ int Main(int argc, char** argv) {
   const bool rendering = render_command->parsed();
   InitLogging(collecting ? fmt::format("actor-{}", collect.index) : rendering ? "render" : "evaluation");
   InstallShutdownHandler();
+  InstallStackDump();
   const auto run = [&]() -> Result<int> {
     if (collecting) return Collect(collect);
     DADRL_RETURN_IF_ERROR(rendering ? Render(render) : Evaluate(evaluate));

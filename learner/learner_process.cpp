@@ -11,7 +11,6 @@
 #include "learner/batch_fetcher.h"
 #include "learner/checkpoint_store.h"
 #include "learner/checkpoint_writer.h"
-#include "learner/heartbeat.h"
 #include "learner/reporter.h"
 #include "learner/resume.h"
 #include "learner/trainer.h"
@@ -47,8 +46,6 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   DADRL_ASSIGN_OR_RETURN(const auto fetcher, BatchFetcher<TransitionBatch>::Create(*node, config, incarnation,
                                                                                    newest_version, {}));
   Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
-  DADRL_ASSIGN_OR_RETURN(const auto heartbeat,
-                         Heartbeat::Start(*node, incarnation, [&trainer] { return trainer.beats(); }));
   const Reporter reporter(config.telemetry,
                           {trainer, checkpoints, telemetry, *log, [&fetcher] { return fetcher->stats(); }},
                           incarnation);

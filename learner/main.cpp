@@ -5,6 +5,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "learner/learner_process.h"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   }
   dadrl::InitLogging("learner");
   dadrl::InstallShutdownHandler();
+  dadrl::InstallStackDump();
   try {
     const dadrl::Status status = Learn(config_file, run_directory, resume);
     if (status) return 0;

@@ -11,6 +11,8 @@ namespace {
 
 // How long the loop waits before it looks again at `stop`, the limits and the reason for waiting.
 constexpr Duration kSlice = std::chrono::milliseconds(100);
+// What a disk may take for the last checkpoint before the process is taken to hang.
+constexpr Duration kSlowDisk = std::chrono::minutes(5);
 
 void AddTo(UpdateStats& sum, const UpdateStats& stats) {
   sum.critic_loss += stats.critic_loss;
@@ -57,7 +59,7 @@ TransitionBatch* Trainer::WaitForBatch(Duration timeout) {
 }
 
 Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
-  beats_.fetch_add(1, std::memory_order_relaxed);
+  Beat();
   if (publish_now_) {
     publish_now_ = false;
     DADRL_RETURN_IF_ERROR(Publish());
@@ -73,7 +75,7 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     parts_.batches.Release(batch);
     return tl::unexpected<Error>(std::move(stats.error()));
   }
-  ++updates_;
+  ReportWork(++updates_);
   if (Status sound = guard_.Check(*stats, updates_); !sound) {
     parts_.batches.Release(batch);
     return tl::unexpected<Error>(std::move(sound.error()));
@@ -160,6 +162,7 @@ Status Trainer::SaveNow() {
 }
 
 Result<std::string> Trainer::Run(const std::atomic<bool>& stop) {
+  const WorkingThread working("train");
   std::string reason;
   while (reason.empty()) {
     if (stop.load()) {
@@ -171,13 +174,14 @@ Result<std::string> Trainer::Run(const std::atomic<bool>& stop) {
     auto step = RunStep(kSlice);
     if (!step) return tl::unexpected<Error>(std::move(step.error()));
   }
+  const LongWork last_checkpoint(kSlowDisk);
   const ScopedActivity saving(ledger_, Activity::kWaitForDisk);
   DADRL_RETURN_IF_ERROR(SaveNow());
   return fmt::format("{} after {} updates", reason, updates_);
 }
 
 double Trainer::TrainedSeconds() const {
-  return trained_before_s_ + ToSeconds(parts_.clock.Now() - started_);
+  return trained_before_s_ + ToSeconds(parts_.clock.Now() - started_ - parts_.paused_time());
 }
 
 std::string Trainer::LimitReached() const {

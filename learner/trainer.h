@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/config/config.h"
+#include "common/liveness/working_thread.h"
 #include "common/model/transition_batch.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
@@ -50,6 +51,8 @@ class Trainer {
     CheckpointWriter& checkpoints;
     const Clock& clock;
     int64_t (*wall_time_ns)() = WallTimeNs;  // stamps publications
+    Duration (*paused_time)() =
+        &PausedTime;  // of the time since the start, what the process was kept stopped
   };
   Trainer(const Config& config, const Parts& parts, const TrainingProgress& progress);
 
@@ -62,8 +65,8 @@ class Trainer {
   // saved from then on.
   Result<Step> RunStep(Duration timeout);
 
-  // Steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for it. Returns why it
-  // ended, as a sentence.
+  // A WorkingThread: steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for
+  // it. Returns why it ended, as a sentence.
   Result<std::string> Run(const std::atomic<bool>& stop);
 
   // Saves a checkpoint of now and waits until it is on disk.
@@ -74,8 +77,6 @@ class Trainer {
   // One caller: each call starts a new interval.
   TrainingInterval TakeInterval() DADRL_EXCLUDES(mutex_);
   uint32_t weights_version() const { return weights_version_.load(std::memory_order_relaxed); }
-  // Grows whenever the training thread gets round its loop: it is alive.
-  uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
   const TimeLedger& ledger() const { return ledger_; }
 
  private:
@@ -100,7 +101,6 @@ class Trainer {
   bool publish_now_;  // resumed: actors should not wait for an interval
   uint64_t updates_;
   std::atomic<uint32_t> weights_version_;
-  std::atomic<uint64_t> beats_{0};
 
   mutable Mutex mutex_;
   StalenessTracker staleness_ DADRL_GUARDED_BY(mutex_);

@@ -111,12 +111,5 @@ inline const dds::TopicSpec kRelayedTelemetryTopic{.name = "dadrl/telemetry_rela
                                                    .reliable = false,
                                                    .keep_all = false,
                                                    .depth = kTelemetryDepth};
-// Manual liveliness: a beat proves that the work loop runs, not only that the process exists.
-inline const dds::TopicSpec kHeartbeatTopic{.name = "dadrl/heartbeat",
-                                            .type = &dadrl_idl_Heartbeat_desc,
-                                            .plane = dds::Plane::kControl,
-                                            .keep_all = false,
-                                            .transient_local = true,
-                                            .manual_liveliness = true};
 
 }  // namespace dadrl

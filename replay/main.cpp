@@ -10,6 +10,7 @@
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/io/incarnation.h"
+#include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "replay/service/replay_service.h"
@@ -67,6 +68,7 @@ int main(int argc, char** argv) {
   }
   dadrl::InitLogging(fmt::format("replay-{}", options.shard));
   dadrl::InstallShutdownHandler();
+  dadrl::InstallStackDump();
   if (const dadrl::Status done = Run(config_file, std::move(options), incarnation); !done) {
     spdlog::error("{}", done.error().message);
     return dadrl::ExitCode(done.error());

@@ -15,6 +15,7 @@
 #include "common/dds/node.h"
 #include "common/io/incarnation.h"
 #include "common/io/run_key.h"
+#include "common/liveness/working_thread.h"
 #include "common/model/acting_policy.h"
 #include "common/util/exit_code.h"
 #include "common/util/log.h"
@@ -88,7 +89,6 @@ class Actor {
   bool log_failed_ = false;
   std::unique_ptr<Collector> collector_;
   std::unique_ptr<StatusReporter> reporter_;
-  std::atomic<uint64_t> waits_{0};
   Status address_;  // the reporter's thread writes it before it asks for the shutdown
 };
 
@@ -115,7 +115,9 @@ Status Actor::TakeNumber() {
   DADRL_ASSIGN_OR_RETURN(lease_, LeaseHolder::Create(*node_, wanted, clock_));
   WaitNotice notice;
   const TimePoint began = clock_.Now();
+  const WorkingThread working("join");
   DADRL_ASSIGN_OR_RETURN(identity_, lease_->Acquire([&] {
+    Beat();
     const TimePoint now = clock_.Now();
     if (now - began > kQuietWait) notice.Update(WaitingForNumber(), now);
     return !shutdown_requested;
@@ -144,18 +146,18 @@ Status Actor::Connect() {
                                                             .clock = clock_,
                                                             .stop = shutdown_requested},
                                            identity_.number, identity_.incarnation, log_->last_episode());
-  DADRL_ASSIGN_OR_RETURN(
-      reporter_, StatusReporter::Start(*node_, *publisher_, config.telemetry, number(), identity_.incarnation,
-                                       {.fill = [this](ProcessStatus& status) { FillStatus(status); },
-                                        .ticks = [this] { return collector_->progress().ticks + waits_; },
-                                        .waiting_for = [this] { return WaitingFor(); },
-                                        .on_beat = [this] { WatchAddress(); }}));
+  reporter_ = std::make_unique<StatusReporter>(
+      *publisher_, config.telemetry, number(), identity_.incarnation,
+      StatusReporter::Source{.fill = [this](ProcessStatus& status) { FillStatus(status); },
+                             .waiting_for = [this] { return WaitingFor(); },
+                             .on_look = [this] { WatchAddress(); }});
   return {};
 }
 
 Status Actor::Run() {
   spdlog::info("actor number {} drives {}, cluster at {}:{}", identity_.number, options_.config.scenario,
                options_.config.cluster.host, options_.config.cluster.port);
+  const WorkingThread working("collect");
   WaitForReplay();
   ledger_.Enter(Activity::kWork);
   while (!shutdown_requested) {
@@ -165,6 +167,7 @@ Status Actor::Run() {
     DADRL_RETURN_IF_ERROR(CheckLayout());
   }
   DADRL_RETURN_IF_ERROR(address_);
+  const LongWork draining(2 * kDrain);
   if (!writer_->Flush(kDrain)) {
     spdlog::warn("leaving with {} bytes of experience that the replay has not acknowledged",
                  writer_->statistics().backlog_bytes);
@@ -177,7 +180,7 @@ void Actor::WaitForReplay() {
   const ScopedActivity wait(ledger_, Activity::kWaitForReplay);
   while (!shutdown_requested && !writer_->statistics().replay_present) {
     clock_.SleepFor(kReplayPoll);
-    ++waits_;
+    Beat();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "actor/collect/episode_seeds.h"
+#include "common/liveness/working_thread.h"
 #include "common/util/log.h"
 #include "proto/experience.h"
 
@@ -12,6 +13,7 @@ namespace {
 constexpr double kSimulationStepS = 0.1;
 constexpr Duration kRoomPoll = std::chrono::milliseconds(2);
 constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
+constexpr Duration kLongestBackOff = std::chrono::seconds(4);
 
 }  // namespace
 
@@ -53,9 +55,7 @@ Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
 
 Result<bool> Collector::Reset() {
   const ScopedActivity wait(parts_.ledger, Activity::kWaitForSimulator);
-  Tick();
   const Status status = parts_.environment.Reset(seed_);
-  Tick();
   if (status) {
     spawn_failures_ = 0;
     return true;
@@ -80,7 +80,6 @@ Result<bool> Collector::Decide() {
   parts_.sink.AddTransition(before_, action, step.reward, flags, version_);
   if (flags == kTruncated) parts_.sink.AddFinal(parts_.environment.observation());
   MutexLock lock(mutex_);
-  ++progress_.ticks;
   ++progress_.decisions;
   progress_.env_steps += static_cast<uint64_t>(config_.task.decision_interval);
   return step.ended();
@@ -96,8 +95,9 @@ Result<std::optional<CollectedEpisode>> Collector::Lose(const Error& error) {
     return Fail(ErrorCode::kInternal, "{} episodes in a row were lost to the simulator; the last: {}",
                 failures_, error.message);
   }
+  const LongWork backing_off(kLongestBackOff);
   spdlog::warn("episode {} (traffic seed {}) is lost: {}", episode_, seed_, error.message);
-  parts_.clock.SleepFor(kFirstBackOff * (1 << std::min(failures_ - 1, 5)));
+  parts_.clock.SleepFor(std::min(kLongestBackOff, kFirstBackOff * (1 << std::min(failures_ - 1, 5))));
   return std::nullopt;
 }
 
@@ -108,7 +108,7 @@ bool Collector::WaitForRoom() {
   while (parts_.sink.blocked()) {
     if (parts_.stop) return false;
     parts_.clock.SleepFor(kRoomPoll);
-    Tick();
+    Beat();
   }
   return true;
 }
@@ -126,11 +126,6 @@ void Collector::TakePolicy() {
   }
   version_ = newer;
   progress_.policy_version = newer;
-}
-
-void Collector::Tick() {
-  MutexLock lock(mutex_);
-  ++progress_.ticks;
 }
 
 CollectorProgress Collector::progress() const {

@@ -29,7 +29,6 @@ struct CollectorProgress {
   uint64_t simulator_failures = 0;     // episodes lost to the simulator
   uint64_t refused_policies = 0;       // that arrived but could not be loaded
   uint32_t policy_version = 0;         // in use, now; 0: acting at random
-  uint64_t ticks = 0;                  // moves whenever the loop does
 };
 
 // A finished episode.
@@ -40,7 +39,7 @@ struct CollectedEpisode {
 };
 
 // Acts at random until the first policy arrives, then samples from the policy. RunEpisode belongs to one
-// thread; progress may be read by any.
+// thread, which beats while it waits (the environment beats while it drives); progress may be read by any.
 class Collector {
  public:
   // Borrowed for the collector's life.
@@ -79,7 +78,6 @@ class Collector {
   // False when stopped.
   bool WaitForRoom();
   void TakePolicy();
-  void Tick();
 
   const Config config_;
   const Parts parts_;

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/liveness/working_thread.h"
+
 namespace dadrl {
 
 Result<EpisodeSummary> DriveEpisode(DrivingEnvironment& environment, DrivingPolicy& policy, uint64_t seed) {
@@ -18,6 +20,7 @@ Result<EpisodeSummary> DriveEpisode(DrivingEnvironment& environment, DrivingPoli
 std::vector<EvaluatedEpisode> DriveEpisodes(DrivingEnvironment& environment, DrivingPolicy& policy,
                                             const std::vector<PlannedEpisode>& plan,
                                             const OnEpisode& on_episode) {
+  const WorkingThread working("evaluate");
   std::vector<EvaluatedEpisode> episodes;
   for (const PlannedEpisode& planned : plan) {
     EvaluatedEpisode episode;

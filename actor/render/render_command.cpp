@@ -12,6 +12,7 @@
 #include "actor/render/rasterize.h"
 #include "actor/render/recording.h"
 #include "common/io/atomic_file.h"
+#include "common/liveness/working_thread.h"
 
 namespace dadrl {
 namespace {
@@ -21,6 +22,8 @@ namespace fs = std::filesystem;
 enum class Kind { kAnimation, kStrip, kFrames, kGallery };
 
 constexpr int kFrameEvery = 5;
+// What a disk may take for the pictures of an episode before the process is taken to hang.
+constexpr Duration kSlowDisk = std::chrono::minutes(2);
 constexpr const char* kFramePrefix = "frame-";
 
 Result<Kind> KindOf(const RenderOptions& options) {
@@ -164,6 +167,7 @@ Status RunRender(const RenderOptions& options, const OnRendered& on_rendered) {
   DADRL_ASSIGN_OR_RETURN(const PolicySetup setup, MakePolicy(options.policy, options.config, {}));
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<DrivingEnvironment> environment,
                          DrivingEnvironment::Create(setup.config, setup.environment));
+  const WorkingThread working("render");
   for (const uint64_t seed : options.seeds) {
     RenderedEpisode rendered{.seed = seed};
     if (const auto recording = RecordEpisode(*environment, *setup.policy, setup.description, seed)) {
@@ -172,6 +176,7 @@ Status RunRender(const RenderOptions& options, const OnRendered& on_rendered) {
       rendered.episode_return = recording->summary.episode_return;
       rendered.sentence = OutcomeSentence(*recording);
       if (!options.outcome || *options.outcome == rendered.outcome) {
+        const LongWork writing(kSlowDisk);
         DADRL_ASSIGN_OR_RETURN(rendered.files, WritePictures(*recording, options, kind));
       }
     } else {

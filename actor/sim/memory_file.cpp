@@ -1,32 +1,26 @@
 #include "actor/sim/memory_file.h"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 
+#include "common/io/unnamed_file.h"
+
 namespace dadrl {
 
 Result<MemoryFile> MemoryFile::Create(const char* name) {
-  const int descriptor = memfd_create(name, MFD_CLOEXEC);
-  if (descriptor < 0) {
-    return Fail(ErrorCode::kExhausted, "cannot create a file in memory: {}", std::strerror(errno));
-  }
-  return MemoryFile(descriptor);
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, OpenUnnamedFile(name));
+  return MemoryFile(std::move(file));
 }
 
-MemoryFile::~MemoryFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-std::string MemoryFile::path() const { return fmt::format("/proc/self/fd/{}", descriptor_); }
+std::string MemoryFile::path() const { return UnnamedFilePath(file_); }
 
 Status MemoryFile::Write(std::string_view text) {
-  bool written = ftruncate(descriptor_, 0) == 0;
+  bool written = ftruncate(file_.get(), 0) == 0;
   for (size_t done = 0; written && done < text.size();) {
     const ssize_t count =
-        pwrite(descriptor_, text.data() + done, text.size() - done, static_cast<off_t>(done));
+        pwrite(file_.get(), text.data() + done, text.size() - done, static_cast<off_t>(done));
     if (count > 0) done += static_cast<size_t>(count);
     written = count > 0 || errno == EINTR;
   }
@@ -35,8 +29,8 @@ Status MemoryFile::Write(std::string_view text) {
 }
 
 std::string MemoryFile::Read() const {
-  std::string text(static_cast<size_t>(lseek(descriptor_, 0, SEEK_END)), '\0');
-  const ssize_t count = pread(descriptor_, text.data(), text.size(), 0);
+  std::string text(static_cast<size_t>(lseek(file_.get(), 0, SEEK_END)), '\0');
+  const ssize_t count = pread(file_.get(), text.data(), text.size(), 0);
   text.resize(count > 0 ? static_cast<size_t>(count) : 0);
   return text;
 }

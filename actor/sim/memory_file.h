@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/io/file_descriptor.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -14,9 +15,6 @@ class MemoryFile {
  public:
   // kExhausted: out of memory or descriptors.
   static Result<MemoryFile> Create(const char* name);
-  ~MemoryFile();
-  MemoryFile(MemoryFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-  MemoryFile& operator=(MemoryFile&&) = delete;
 
   // Openable by this process.
   std::string path() const;
@@ -24,8 +22,8 @@ class MemoryFile {
   std::string Read() const;
 
  private:
-  explicit MemoryFile(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  explicit MemoryFile(FileDescriptor file) : file_(std::move(file)) {}
+  FileDescriptor file_;
 };
 
 }  // namespace dadrl

@@ -182,7 +182,8 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("cluster.host", n.host, "Address at which actors reach replay and learner");
   b.Add("cluster.port", n.port, 0, 60000, "First DDS port; 0 takes a free one");
   b.Add("cluster.lease_s", n.lease_s, 0.5, 600, "Longest network cut that DDS bridges by itself, s");
-  b.Add("cluster.liveliness_s", n.liveliness_s, 0.1, 60, "Silence after which a peer counts as dead, s");
+  b.Add("cluster.liveliness_s", n.liveliness_s, 0.1, 60,
+        "A process that does not get on for five times as long is killed and restarted, s");
   b.Add("cluster.receive_buffer_bytes", n.receive_buffer_bytes, 1 << 16, 1 << 30, "UDP receive buffer");
   b.Add("cluster.mtu", n.mtu, 0, 65536, "Longest IP packet between machines, bytes; 0 asks the interface");
   b.Add("cluster.require_key", n.require_key, "Only who has RUN/key takes part; on 127.0.0.1 always so");

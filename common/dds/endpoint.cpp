@@ -37,7 +37,7 @@ WriterBase::~WriterBase() {
 
 Status WriterBase::Open(const Node& node, const TopicSpec& topic) {
   DADRL_ASSIGN_OR_RETURN(topic_, CreateTopic(node, topic));
-  const Qos qos = WriterQos(topic, node.liveliness_s());
+  const Qos qos = WriterQos(topic);
   const Listener listener = MismatchListener(topic.name);
   DADRL_ASSIGN_OR_RETURN(
       writer_, Check(dds_create_writer(node.participant(topic.plane), topic_, qos.get(), listener.get()),
@@ -86,7 +86,7 @@ Status ReaderBase::Open(const Node& node, const TopicSpec& topic) {
   if (filtered != DDS_RETCODE_OK) {
     return Fail(ErrorCode::kInternal, "cannot filter topic {}: {}", topic.name, dds_strretcode(filtered));
   }
-  const Qos qos = ReaderQos(topic, node.liveliness_s());
+  const Qos qos = ReaderQos(topic);
   const Listener listener = MismatchListener(topic.name);
   DADRL_ASSIGN_OR_RETURN(
       reader_, Check(dds_create_reader(participant, topic_, qos.get(), listener.get()), topic, "reader"));
@@ -107,12 +107,6 @@ int ReaderBase::matched() const {
   dds_subscription_matched_status_t status{};
   dds_get_subscription_matched_status(reader_, &status);
   return static_cast<int>(status.current_count);
-}
-
-int ReaderBase::alive() const {
-  dds_liveliness_changed_status_t status{};
-  dds_get_liveliness_changed_status(reader_, &status);
-  return static_cast<int>(status.alive_count);
 }
 
 bool ReaderBase::Wait(Duration timeout) {

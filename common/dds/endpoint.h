@@ -56,8 +56,6 @@ class ReaderBase {
   ReaderBase& operator=(const ReaderBase&) = delete;
 
   int matched() const;
-  // Writers that are matched and alive by their liveliness QoS.
-  int alive() const;
   // Blocks until a sample can be taken, Wake, or the time-out; true when there is a sample.
   bool Wait(Duration timeout);
   // Ends a Wait at once.

@@ -79,7 +79,6 @@ class Node {
 
   // 0 in a plane that the role does not use.
   dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }
-  double liveliness_s() const { return liveliness_s_; }
   // kUnavailable when this machine no longer has the node's address and reaches the cluster from another:
   // only a new node is heard then.
   Status CheckAddress() const;
@@ -93,12 +92,11 @@ class Node {
   };
 
   Node(const ClusterConfig& cluster, std::string address)
-      : host_(cluster.host), address_(std::move(address)), liveliness_s_(cluster.liveliness_s) {}
+      : host_(cluster.host), address_(std::move(address)) {}
 
   std::array<Domain, kPlanes.size()> planes_{};
   std::string host_;     // the cluster's, in dotted form
   std::string address_;  // this node's
-  double liveliness_s_;
 };
 
 // First of a block of kPortBlock free UDP ports on this host, for ClusterConfig::port. The block stays

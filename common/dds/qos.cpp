@@ -3,21 +3,17 @@
 #include <array>
 #include <string>
 
-#include "common/util/clock.h"
 #include "common/util/log.h"
 
 namespace dadrl::dds {
 namespace {
 
-Qos CommonQos(const TopicSpec& topic, double liveliness_s) {
+Qos CommonQos(const TopicSpec& topic) {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), topic.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                        DDS_MSECS(topic.max_blocking_ms));
   dds_qset_history(qos.get(), topic.keep_all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST, topic.depth);
   if (topic.transient_local) dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  if (topic.manual_liveliness) {
-    dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, FromSeconds(liveliness_s).count());
-  }
   if (topic.partition >= 0) {
     const std::string name = fmt::format("{}", topic.partition);
     dds_qset_partition1(qos.get(), name.c_str());
@@ -62,8 +58,8 @@ void LogIncompatibleQos(const void* topic_name, uint32_t policy) {
 
 }  // namespace
 
-Qos WriterQos(const TopicSpec& topic, double liveliness_s) {
-  Qos qos = CommonQos(topic, liveliness_s);
+Qos WriterQos(const TopicSpec& topic) {
+  Qos qos = CommonQos(topic);
   // What a transient-local writer keeps for late readers.
   if (topic.transient_local) {
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, topic.depth, DDS_LENGTH_UNLIMITED,
@@ -74,8 +70,8 @@ Qos WriterQos(const TopicSpec& topic, double liveliness_s) {
   return qos;
 }
 
-Qos ReaderQos(const TopicSpec& topic, double liveliness_s) {
-  Qos qos = CommonQos(topic, liveliness_s);
+Qos ReaderQos(const TopicSpec& topic) {
+  Qos qos = CommonQos(topic);
   if (topic.reader_keeps_last > 0) {
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, topic.reader_keeps_last);
   } else if (topic.keep_all && topic.reader_max_samples > 0) {

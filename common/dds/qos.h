@@ -19,8 +19,8 @@ struct ListenerDeleter {
 };
 using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
-Qos WriterQos(const TopicSpec& topic, double liveliness_s);
-Qos ReaderQos(const TopicSpec& topic, double liveliness_s);
+Qos WriterQos(const TopicSpec& topic);
+Qos ReaderQos(const TopicSpec& topic);
 
 // Logs what DDS would otherwise keep to itself: peers of another type or with incompatible QoS never match,
 // and nothing says so. `topic_name` must have static storage.

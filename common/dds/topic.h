@@ -22,9 +22,8 @@ struct TopicSpec {
   // Instead of it: the reader keeps the newest so many of each key and lets go of older ones that were not
   // taken, so that it is never full. For what its sender repeats or can do without.
   int reader_keeps_last = 0;
-  int max_blocking_ms = 100;       // of a reliable write
-  bool manual_liveliness = false;  // lease of ClusterConfig::liveliness_s, by topic; else automatic, infinite
-  int partition = -1;              // only endpoints of the same partition match; -1: the default one
+  int max_blocking_ms = 100;  // of a reliable write
+  int partition = -1;         // only endpoints of the same partition match; -1: the default one
 };
 
 }  // namespace dadrl::dds

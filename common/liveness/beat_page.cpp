@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <new>
-#include <string_view>
+#include <optional>
 
 #include "common/io/unnamed_file.h"
+#include "common/util/environment.h"
 
 namespace dadrl {
 namespace {
@@ -25,12 +25,11 @@ BeatMemory* Map(int fd) {
 // The inherited page. The variable is input from outside: a descriptor that is not a page of ours is not
 // touched.
 BeatMemory* Inherited() {
-  const char* const variable = std::getenv(BeatPage::kVariable);
-  if (variable == nullptr) return nullptr;
-  const std::string_view text = variable;
+  const std::optional<std::string> text = FromEnvironment(kBeatsVariable);
+  if (!text) return nullptr;
   int fd = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fd);
-  if (error != std::errc() || end != text.data() + text.size() || fd <= STDERR_FILENO) return nullptr;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), fd);
+  if (error != std::errc() || end != text->data() + text->size() || fd <= STDERR_FILENO) return nullptr;
   struct stat status {};
   uint64_t magic = 0;
   if (fstat(fd, &status) != 0 || status.st_size != sizeof(BeatMemory)) return nullptr;

@@ -54,13 +54,10 @@ class BeatPage {
     bool resting = false;  // its silence means nothing
   };
 
-  // The environment variable that tells a process which of its descriptors is the page.
-  static constexpr const char* kVariable = "DADRL_BEATS";
-
   // kExhausted: no memory, or no descriptor for it.
   static Result<BeatPage> Create();
 
-  // To be inherited by the process.
+  // To be inherited by the process, with its number in kBeatsVariable.
   int fd() const { return file_.get(); }
   // The threads that have begun to work and have not ended.
   std::vector<Thread> Threads() const;

@@ -9,7 +9,7 @@
 namespace dadrl {
 namespace {
 
-constexpr std::array kVariables = {kScenariosVariable, kPoliciesVariable, kIsaVariable};
+constexpr std::array kVariables = {kScenariosVariable, kPoliciesVariable, kBeatsVariable, kIsaVariable};
 
 }  // namespace
 

@@ -13,6 +13,7 @@ namespace dadrl {
 // All of them.
 constexpr std::string_view kScenariosVariable = "DADRL_SCENARIOS";  // folder of scenarios
 constexpr std::string_view kPoliciesVariable = "DADRL_POLICIES";    // folder of shipped policies
+constexpr std::string_view kBeatsVariable = "DADRL_BEATS";          // set by a supervisor for its children
 constexpr std::string_view kIsaVariable = "DADRL_ISA";              // kernels: scalar, avx2, avx512
 
 // Its value; nothing when it is not set, or empty.

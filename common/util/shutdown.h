@@ -1,4 +1,5 @@
-// SIGINT and SIGTERM as a flag that loops poll: a process drains, saves and leaves; it is never cut in half.
+// SIGINT, SIGTERM and SIGHUP as a flag that loops poll: a process drains, saves and leaves; it is never cut
+// in half.
 #pragma once
 
 #include <atomic>
@@ -6,16 +7,21 @@
 
 namespace dadrl {
 
-// Set by the first SIGINT or SIGTERM after InstallShutdownHandler.
+// Set by the first of them after InstallShutdownHandler.
 inline std::atomic<bool> shutdown_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "the handler may only touch lock-free atomics");
 
+// One that was ignored when the program started (nohup) stays ignored.
 inline void InstallShutdownHandler() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { shutdown_requested.store(true); };
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    sigaction(signal_number, nullptr, &action);
+    if (action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = [](int) { shutdown_requested.store(true); };
+    sigemptyset(&action.sa_mask);
+    sigaction(signal_number, &action, nullptr);
+  }
 }
 
 }  // namespace dadrl

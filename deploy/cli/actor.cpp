@@ -48,11 +48,11 @@ void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 // The actors of one join, from their start to the exit code.
 class JoinedActors {
  public:
-  JoinedActors(SignalWatcher& signals, std::unique_ptr<RunWatch> watch, EpisodeLog episodes)
+  JoinedActors(const Config& config, SignalWatcher& signals, std::unique_ptr<RunWatch> watch, EpisodeLog episodes)
       : signals_(signals),
         watch_(std::move(watch)),
         episodes_(std::move(episodes)),
-        supervisor_(RestartLimits{}, clock_, Say) {}
+        supervisor_(RestartLimits{}, HangLimits::Of(config.cluster), clock_, Say) {}
 
   // Supervises until the user stops it, the run has ended, or no actor is left.
   Result<int> Run(std::vector<ProcessSpec> specs) {
@@ -67,6 +67,9 @@ class JoinedActors {
       supervisor_.Step();
       ReapAdopted(supervisor_.RunningPids());
       UpdateEpisodes();
+      if (signals_.PauseRequested()) {
+        signals_.PauseWith(supervisor_.RunningPids(), [&](Duration paused) { supervisor_.AddPause(paused); });
+      }
       if (signals_.KillRequested()) supervisor_.KillAll();
       if (signals_.StopRequested()) {
         Stop("waiting for the actors to finish their step; once more Ctrl-C kills them");
@@ -125,8 +128,10 @@ Result<int> RunJoin(const ActorOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const Config own, options.config.Apply(Config{}));  // before anything waits
   place.mtu = own.cluster.mtu;
   DADRL_ASSIGN_OR_RETURN(place.key, Key(options, place.host));
-  DADRL_ASSIGN_OR_RETURN(const Config run,
-                         FindRun(place, kPatience, [&] { return signals->StopRequested(); }));
+  DADRL_ASSIGN_OR_RETURN(const Config run, FindRun(place, kPatience, [&] {
+                           if (signals->PauseRequested()) signals->PauseWith({});
+                           return signals->StopRequested();
+                         }));
   DADRL_ASSIGN_OR_RETURN(const Config config, options.config.Apply(run));
   DADRL_RETURN_IF_ERROR(Validate(config));
   DADRL_RETURN_IF_ERROR(CheckFirstIndex(options.first_index, run));
@@ -145,7 +150,7 @@ Result<int> RunJoin(const ActorOptions& options) {
              directory.paths().logs().string());
   DADRL_ASSIGN_OR_RETURN(EpisodeLog episodes,
                          EpisodeLog::Open(directory.paths().episodes(), directory.paths().logs()));
-  return JoinedActors(*signals, std::move(watch), std::move(episodes)).Run(std::move(specs));
+  return JoinedActors(config, *signals, std::move(watch), std::move(episodes)).Run(std::move(specs));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "deploy/cli/driver.h"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
+#include "common/io/unnamed_file.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/executables.h"
 #include "deploy/local/shipped_policies.h"
@@ -30,7 +30,7 @@ Result<std::optional<std::string>> TrainedScenario(const std::string& policy) {
 }  // namespace
 
 Result<SharedConfig> SharedConfig::Create(const Config& config) {
-  FileDescriptor file(memfd_create("config", MFD_CLOEXEC));
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, OpenUnnamedFile("config"));
   const std::string yaml = ToYaml(config, false);
   DADRL_RETURN_IF_ERROR(WriteAll(file, std::as_bytes(std::span(yaml)), "configuration"));
   return SharedConfig(std::move(file));

@@ -1,9 +1,9 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "common/io/atomic_file.h"
+#include "common/util/resources.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/driver.h"
 #include "deploy/cli/run_to_end.h"
@@ -34,10 +34,11 @@ std::vector<std::string> PolicyArguments(const EvaluateOptions& options) {
   return arguments;
 }
 
+void Warn(const std::string& text) { fmt::print(stderr, "dadrl evaluate: {}\n", text); }
+
 Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(const Driver driver, options.driver.Resolve());
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   DADRL_ASSIGN_OR_RETURN(
       EvaluationJob job,
       EvaluationJob::Create({.program = driver.program,
@@ -49,7 +50,9 @@ Result<int> RunEvaluate(const EvaluateOptions& options) {
                              .first_seed = options.first_seed,
                              .groups = options.groups,
                              .episodes = options.episodes,
-                             .processes = options.processes > 0 ? options.processes : cores}));
+                             .processes = options.processes > 0 ? options.processes : UsableCores(),
+                             .hang_limits = HangLimits::Of(driver.config.cluster),
+                             .notice = Warn}));
   DADRL_RETURN_IF_ERROR(RunToEnd(job, *signals));
   DADRL_ASSIGN_OR_RETURN(const EvaluationReport report, job.TakeReport());
   if (!options.csv.empty()) {

@@ -11,8 +11,10 @@
 #include "deploy/local/signals.h"
 #include "deploy/monitor/bottleneck.h"
 #include "deploy/monitor/cluster_monitor.h"
+#include "deploy/monitor/merge_supervision.h"
 #include "deploy/monitor/monitor_json.h"
 #include "deploy/monitor/progress_display.h"
+#include "deploy/monitor/supervision.h"
 
 namespace dadrl {
 namespace {
@@ -38,6 +40,7 @@ Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& sign
   double waited_s = 0.0;
   while (!signals.StopRequested() && waited_s < patience_s) {
     monitor.Poll(kTick);
+    if (signals.PauseRequested()) signals.PauseWith({});
     waited_s = ToSeconds(clock.Now() - start);
     if (monitor.ReportingProcesses() > 0 && waited_s >= listen_s) return {};
   }
@@ -48,9 +51,19 @@ Status Listen(ClusterMonitor& monitor, const Config& config, SignalWatcher& sign
       waited_s);
 }
 
+// What the launcher says of its processes, and what the system does; nothing where there is no such word.
+Supervision ReadSupervision(const RunPaths& paths) {
+  Supervision supervision = LoadSupervision(paths.processes()).value_or(Supervision{});
+  AddStopped(supervision);
+  return supervision;
+}
+
 Progress MakeProgress(const RunPaths& paths, const Config& config, const ClusterMonitor& monitor) {
+  const Supervision supervision = ReadSupervision(paths);
   Progress progress;
   progress.summary = monitor.Summarize();
+  MergeSupervision(supervision, progress.summary);
+  progress.faults = supervision.Troubles();
   progress.title = fmt::format("dadrl monitor {}  ({})", config.scenario, paths.root.string());
   progress.phase = progress.summary.updates_per_s > 0 ? "training" : "not training";
   for (const ProcessRow& row : progress.summary.processes) {
@@ -66,6 +79,7 @@ void PrintOnce(const Progress& progress, const Config& config, bool json) {
   if (json) {
     auto object = MonitorJson(progress.summary, progress.bottleneck);
     object["scenario"] = config.scenario;
+    object["faults"] = progress.faults;
     fmt::print("{}\n", object.dump());
     return;
   }
@@ -90,8 +104,10 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   const SystemClock clock;
   DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths.root));
-  DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, key, clock, {}));
-  const Status heard = Listen(*monitor, config, *signals, clock);
+  DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, key, clock));
+  Status heard = Listen(*monitor, config, *signals, clock);
+  // A silent cluster is what one would like to be told of.
+  if (!heard && !ReadSupervision(paths).Troubles().empty()) heard = {};
   if (options.json || options.once) {
     DADRL_RETURN_IF_ERROR(heard);
     PrintOnce(MakeProgress(paths, config, *monitor), config, options.json);
@@ -101,8 +117,10 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   if (!heard && !signals->StopRequested()) display.Message(heard.error().message + "; still listening");
   while (!signals->StopRequested() && IsRunning(paths)) {
     monitor->Poll(kTick);
-    if (!display.Due() || monitor->Summarize().processes.empty()) continue;
-    display.Show(MakeProgress(paths, config, *monitor));
+    if (signals->PauseRequested()) signals->PauseWith({});
+    if (!display.Due()) continue;
+    const Progress progress = MakeProgress(paths, config, *monitor);
+    if (!progress.summary.processes.empty()) display.Show(progress);
   }
   return 0;
 }

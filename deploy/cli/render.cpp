@@ -1,6 +1,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -45,7 +46,8 @@ class RenderJob {
 
  private:
   Status RunProcess(SignalWatcher& signals);
-  Status Wait(CapturedProcess& process, SignalWatcher& signals, ExitStatus& status);
+  // Until the process has ended; `hung` says why it had to be killed, if so.
+  Status Wait(CapturedProcess& process, SignalWatcher& signals, ExitStatus& status, std::string& hung);
 
   std::vector<std::string> command_;
   SeedRange left_;
@@ -54,7 +56,8 @@ class RenderJob {
   std::vector<RenderedEpisode> episodes_;
 };
 
-Status RenderJob::Wait(CapturedProcess& process, SignalWatcher& signals, ExitStatus& status) {
+Status RenderJob::Wait(CapturedProcess& process, SignalWatcher& signals, ExitStatus& status,
+                       std::string& hung) {
   const bool terminal = gallery_ && isatty(STDERR_FILENO) == 1;
   for (;;) {
     if (const auto ended = process.child().TryWait()) {
@@ -70,6 +73,11 @@ Status RenderJob::Wait(CapturedProcess& process, SignalWatcher& signals, ExitSta
                   command_.front(), kMaxCapturedBytes);
     }
     const size_t done = episodes_.size() + static_cast<size_t>(process.OutputLineCount());
+    if (signals.PauseRequested()) signals.PauseWith({process.child().pid()});
+    if (const auto why = process.Hangs(); why && hung.empty()) {
+      hung = *why;
+      process.child().Signal(SIGKILL);
+    }
     if (signals.StopRequested()) {
       return Fail(ErrorCode::kUnavailable, "stopped after {} of {} episodes", done, planned_);
     }
@@ -86,7 +94,8 @@ Status RenderJob::RunProcess(SignalWatcher& signals) {
   command.insert(command.end(), seeds.begin(), seeds.end());
   DADRL_ASSIGN_OR_RETURN(CapturedProcess process, CapturedProcess::Spawn(std::move(command)));
   ExitStatus status;
-  DADRL_RETURN_IF_ERROR(Wait(process, signals, status));
+  std::string hung;
+  DADRL_RETURN_IF_ERROR(Wait(process, signals, status, hung));
   for (const std::string& line : process.OutputLines()) {
     DADRL_ASSIGN_OR_RETURN(RenderedEpisode episode, ParseRenderedLine(line));
     episodes_.push_back(std::move(episode));
@@ -100,7 +109,8 @@ Status RenderJob::RunProcess(SignalWatcher& signals) {
     return tl::unexpected<Error>(Error{code, message.empty() ? status.Describe() : message});
   }
   RenderedEpisode lost{.seed = left_.first};
-  lost.error = fmt::format("its process ended with {}: {}", status.Describe(), message);
+  lost.error = hung.empty() ? fmt::format("its process ended with {}: {}", status.Describe(), message)
+                            : fmt::format("its process hung and was killed: {}", hung);
   episodes_.push_back(std::move(lost));
   ++left_.first;
   --left_.count;

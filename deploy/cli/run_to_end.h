@@ -22,6 +22,7 @@ Status RunToEnd(Job& job, SignalWatcher& signals) {
     std::vector<pollfd> fds = {{.fd = signals.fd(), .events = POLLIN, .revents = 0}};
     job.AppendWaitFds(fds);
     poll(fds.data(), fds.size(), kTickMs);
+    if (signals.PauseRequested()) signals.PauseWith(job.RunningPids());
     if (signals.StopRequested()) {
       return Fail(ErrorCode::kUnavailable, "stopped after {} of {} episodes", job.finished_episodes(),
                   job.planned_episodes());

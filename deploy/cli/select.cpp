@@ -3,8 +3,8 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <thread>
 
+#include "common/util/resources.h"
 #include "deploy/cli/command.h"
 #include "deploy/cli/run_to_end.h"
 #include "deploy/local/executables.h"
@@ -18,7 +18,7 @@ struct SelectOptions {
   std::string run_dir = "runs/latest";
   std::optional<int> episodes;
   int candidates = std::numeric_limits<int>::max();
-  int processes = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  int processes = UsableCores();
   bool json = false;
 };
 
@@ -41,6 +41,8 @@ Result<int> RunSelect(const SelectOptions& options) {
                             .config = paths.config(),
                             .episodes = options.episodes.value_or(config.evaluation.candidate_episodes),
                             .processes = options.processes,
+                            .hang_limits = HangLimits::Of(config.cluster),
+                            .notice = Warn,
                             .candidates = std::move(candidates)}));
   DADRL_RETURN_IF_ERROR(RunToEnd(job, *signals));
   DADRL_ASSIGN_OR_RETURN(const Selection selection, job.TakeSelection());

@@ -120,7 +120,7 @@ Result<int> RunTrain(const TrainOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const RunOutcome outcome, run->Run());
   display.Finish();
   PrintSummary(directory->paths(), outcome);
-  return outcome == RunOutcome::kFailed ? 1 : 0;
+  return outcome == RunOutcome::kFailed || outcome == RunOutcome::kHeldUp ? 1 : 0;
 }
 
 }  // namespace

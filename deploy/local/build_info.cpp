@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <thread>
 
 #include "commit.h"
+#include "common/util/resources.h"
 
 namespace dadrl {
 namespace {
@@ -24,8 +24,6 @@ std::string ProcessorName() {
 
 std::string BuildCommit() { return DADRL_COMMIT; }
 
-std::string MachineName() {
-  return fmt::format("{}, {} cores", ProcessorName(), std::thread::hardware_concurrency());
-}
+std::string MachineName() { return fmt::format("{}, {} cores", ProcessorName(), UsableCores()); }
 
 }  // namespace dadrl

@@ -1,26 +1,25 @@
 #include "deploy/local/captured_process.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "common/io/io_error.h"
+#include "common/io/unnamed_file.h"
 #include "deploy/local/log_tail.h"
 
 namespace dadrl {
 namespace {
 
-Result<FileDescriptor> MemoryFile(const char* name) {
-  FileDescriptor file(memfd_create(name, MFD_CLOEXEC));
+Result<FileDescriptor> OpenCapture(const char* name) {
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, OpenUnnamedFile(name));
   // Whoever writes, and however many: each at the end.
-  if (!file.valid() || fcntl(file.get(), F_SETFL, O_APPEND) != 0) {
-    return Fail(ErrorCode::kExhausted, "memfd_create: {}", std::strerror(errno));
-  }
+  if (fcntl(file.get(), F_SETFL, O_APPEND) != 0)
+    return tl::unexpected<Error>(IoError("append to", name, errno));
   return file;
 }
 
@@ -38,19 +37,25 @@ std::string WithoutStamp(const std::string& line) {
 
 }  // namespace
 
-CapturedProcess::CapturedProcess(ChildProcess child, FileDescriptor output, FileDescriptor log)
-    : child_(std::move(child)), output_(std::move(output)), log_(std::move(log)) {}
+CapturedProcess::CapturedProcess(ChildProcess child, LivenessWatch watch, FileDescriptor output,
+                                 FileDescriptor log)
+    : child_(std::move(child)), watch_(std::move(watch)), output_(std::move(output)), log_(std::move(log)) {}
 
-Result<CapturedProcess> CapturedProcess::Spawn(std::vector<std::string> command, int nice) {
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor output, MemoryFile("output"));
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor log, MemoryFile("log"));
+Result<CapturedProcess> CapturedProcess::Spawn(std::vector<std::string> command, int nice,
+                                               const HangLimits& limits) {
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor output, OpenCapture("output"));
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor log, OpenCapture("log"));
+  LivenessWatch watch(limits, SystemClock().Now());
   DADRL_ASSIGN_OR_RETURN(ChildProcess child, ChildProcess::Spawn({.command = std::move(command),
                                                                   .log = {},
                                                                   .stdout_fd = output.get(),
                                                                   .log_fd = log.get(),
-                                                                  .nice = nice}));
-  return CapturedProcess(std::move(child), std::move(output), std::move(log));
+                                                                  .nice = nice,
+                                                                  .beats_fd = watch.page_fd()}));
+  return CapturedProcess(std::move(child), std::move(watch), std::move(output), std::move(log));
 }
+
+std::optional<std::string> CapturedProcess::Hangs() { return watch_.Look(child_.pid(), SystemClock().Now()); }
 
 bool CapturedProcess::Overflows() const {
   return SizeOf(output_) > kMaxCapturedBytes || SizeOf(log_) > kMaxCapturedBytes;

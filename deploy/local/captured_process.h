@@ -8,6 +8,7 @@
 #include "common/io/file_descriptor.h"
 #include "common/util/result.h"
 #include "deploy/local/child_process.h"
+#include "deploy/local/liveness_watch.h"
 
 namespace dadrl {
 
@@ -18,7 +19,8 @@ constexpr uint64_t kMaxCapturedBytes = uint64_t{64} << 20;
 class CapturedProcess {
  public:
   // `nice` is added to the child's niceness. Errors as ChildProcess::Spawn; kExhausted: no memory file.
-  static Result<CapturedProcess> Spawn(std::vector<std::string> command, int nice = 0);
+  static Result<CapturedProcess> Spawn(std::vector<std::string> command, int nice = 0,
+                                       const HangLimits& limits = {});
 
   ChildProcess& child() { return child_; }
   const ChildProcess& child() const { return child_; }
@@ -26,6 +28,8 @@ class CapturedProcess {
   // Whether the child has printed or logged more than kMaxCapturedBytes: it is none of ours, or has gone mad.
   // Its owner ends it.
   bool Overflows() const;
+  // Why it is taken to hang, when it does (HangWatch); ask several times a second.
+  std::optional<std::string> Hangs();
 
   // Standard output until now.
   std::string Output() const;
@@ -38,9 +42,10 @@ class CapturedProcess {
   std::string LastMessage() const;
 
  private:
-  CapturedProcess(ChildProcess child, FileDescriptor output, FileDescriptor log);
+  CapturedProcess(ChildProcess child, LivenessWatch watch, FileDescriptor output, FileDescriptor log);
 
   ChildProcess child_;
+  LivenessWatch watch_;
   FileDescriptor output_;
   FileDescriptor log_;
 };

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/close_range.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -12,21 +13,30 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "common/io/file_descriptor.h"
 #include "common/io/io_error.h"
+#include "common/util/environment.h"
 
 namespace dadrl {
 namespace {
 
+// Without a descriptor that tells of the end.
+constexpr Duration kPollInterval = std::chrono::milliseconds(10);
+// Of a process that was killed.
+constexpr Duration kLongestEnd = std::chrono::seconds(10);
+
 // Everything the child needs, prepared before fork: after it only async-signal-safe calls are allowed.
 struct ChildPlan {
   std::vector<char*> argv;
+  std::vector<char*> environment;
   int null_fd;
   int out_fd;
   int error_fd;
   int report_fd;
+  int beats_fd;
   int nice;
   pid_t parent;
 };
@@ -38,7 +48,7 @@ struct ChildPlan {
     _exit(127);
   };
   setpgid(0, 0);
-  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) fail();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);          // a host that refuses it is one of dadrl doctor's warnings
   if (getppid() != plan.parent) _exit(127);  // the launcher died before the line above took effect
   if (plan.nice != 0) setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + plan.nice);
   if (dup2(plan.null_fd, STDIN_FILENO) < 0 || dup2(plan.out_fd, STDOUT_FILENO) < 0 ||
@@ -47,15 +57,33 @@ struct ChildPlan {
   }
   // Also what the launcher itself inherited from whoever started it; best effort before Linux 5.11.
   close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGCHLD, SIGPIPE}) {
-    signal(signal_number, SIG_DFL);
-  }
+  if (plan.beats_fd >= 0) fcntl(plan.beats_fd, F_SETFD, 0);
+  for (const int signal_number : {SIGTERM, SIGCHLD, SIGPIPE}) signal(signal_number, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  execvp(plan.argv[0], plan.argv.data());
+  execvpe(plan.argv[0], plan.argv.data(), plan.environment.data());
   fail();
   _exit(127);
+}
+
+// Ours, with the number of the page of beats.
+std::vector<std::string> EnvironmentWith(int beats_fd) {
+  const std::string prefix = fmt::format("{}=", kBeatsVariable);
+  std::vector<std::string> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (!std::string_view(*variable).starts_with(prefix)) variables.emplace_back(*variable);
+  }
+  if (beats_fd >= 0) variables.push_back(fmt::format("{}{}", prefix, beats_fd));
+  return variables;
+}
+
+// As exec wants them. Borrows `words`.
+std::vector<char*> Pointers(const std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
+  pointers.push_back(nullptr);
+  return pointers;
 }
 
 Result<FileDescriptor> OpenNullDevice() {
@@ -87,16 +115,16 @@ Result<ChildProcess> ChildProcess::Spawn(const SpawnOptions& options) {
   const FileDescriptor report_read(report_pipe[0]);
   FileDescriptor report_write(report_pipe[1]);
 
-  ChildPlan plan{.argv = {},
-                 .null_fd = null.get(),
-                 .out_fd = options.stdout_fd >= 0 ? options.stdout_fd : log_fd,
-                 .error_fd = log_fd,
-                 .report_fd = report_write.get(),
-                 .nice = options.nice,
-                 .parent = getpid()};
-  for (const std::string& argument : options.command)
-    plan.argv.push_back(const_cast<char*>(argument.c_str()));
-  plan.argv.push_back(nullptr);
+  const std::vector<std::string> environment = EnvironmentWith(options.beats_fd);
+  const ChildPlan plan{.argv = Pointers(options.command),
+                       .environment = Pointers(environment),
+                       .null_fd = null.get(),
+                       .out_fd = options.stdout_fd >= 0 ? options.stdout_fd : log_fd,
+                       .error_fd = log_fd,
+                       .report_fd = report_write.get(),
+                       .beats_fd = options.beats_fd,
+                       .nice = options.nice,
+                       .parent = getpid()};
 
   const pid_t pid = fork();
   if (pid < 0) return Fail(ErrorCode::kExhausted, "cannot start {}: fork: {}", program, std::strerror(errno));
@@ -113,15 +141,8 @@ Result<ChildProcess> ChildProcess::Spawn(const SpawnOptions& options) {
     return Fail(error == ENOENT ? ErrorCode::kNotFound : ErrorCode::kInternal, "cannot start {}: {}", program,
                 std::strerror(error));
   }
-  // glibc 2.36 declares pidfd_open without C linkage.
-  const int pidfd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
-  if (pidfd < 0) {
-    const int open_error = errno;
-    kill(-pid, SIGKILL);
-    waitpid(pid, nullptr, 0);
-    return Fail(ErrorCode::kInternal, "cannot watch {}: pidfd_open: {}", program, std::strerror(open_error));
-  }
-  return ChildProcess(pid, pidfd);
+  // glibc 2.36 declares pidfd_open without C linkage. -1 where the host refuses it.
+  return ChildProcess(pid, static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
 }
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
@@ -144,7 +165,7 @@ ChildProcess::~ChildProcess() { Close(); }
 void ChildProcess::Close() {
   if (pid_ > 0 && !status_) {
     kill(-pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
+    Wait(kLongestEnd);
   }
   if (pidfd_ >= 0) close(pidfd_);
   pid_ = pidfd_ = -1;
@@ -157,12 +178,23 @@ void ChildProcess::Signal(int signal_number) const {
 std::optional<ExitStatus> ChildProcess::TryWait() {
   if (status_ || pid_ <= 0) return status_;
   siginfo_t info{};
-  const auto id = static_cast<id_t>(pidfd_);
-  if (waitid(P_PIDFD, id, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0) return std::nullopt;
+  const auto id = static_cast<id_t>(pid_);
+  if (waitid(P_PID, id, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0) return std::nullopt;
   // While the leader is a zombie its group's number cannot be taken by anybody else.
   kill(-pid_, SIGKILL);
-  waitid(P_PIDFD, id, &info, WEXITED);
+  waitid(P_PID, id, &info, WEXITED);
   status_ = ExitStatus{.signaled = info.si_code != CLD_EXITED, .value = info.si_status};
+  return status_;
+}
+
+std::optional<ExitStatus> ChildProcess::Wait(Duration timeout) {
+  SystemClock clock;
+  const TimePoint end = clock.Now() + timeout;
+  for (Duration left = timeout; !TryWait() && left > Duration::zero(); left = end - clock.Now()) {
+    const Duration wait = pidfd_ >= 0 ? left : std::min(left, kPollInterval);
+    pollfd fd{.fd = pidfd_, .events = POLLIN, .revents = 0};
+    poll(&fd, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(wait).count()));
+  }
   return status_;
 }
 

@@ -1,6 +1,7 @@
 #include "deploy/local/evaluation_job.h"
 
 #include <algorithm>
+#include <csignal>
 #include <utility>
 
 #include "common/config/config_schema.h"
@@ -69,8 +70,21 @@ Result<EvaluationJob::Worker> EvaluationJob::Launch(const Waiting& next) const {
       "--seeds",     fmt::format("{}:{}", next.slice.first_seed, next.slice.count)};
   if (!plan_.config.empty()) command.insert(command.end(), {"--config", plan_.config});
   command.insert(command.end(), plan_.policy_arguments.begin(), plan_.policy_arguments.end());
-  DADRL_ASSIGN_OR_RETURN(CapturedProcess process, CapturedProcess::Spawn(std::move(command), plan_.nice));
-  return Worker{next.scenario, next.slice, next.attempts + 1, std::move(process)};
+  DADRL_ASSIGN_OR_RETURN(CapturedProcess process,
+                         CapturedProcess::Spawn(std::move(command), plan_.nice, plan_.hang_limits));
+  return Worker{next.scenario, next.slice, next.attempts + 1, std::move(process), {}};
+}
+
+void EvaluationJob::KillIfHung(Worker& worker) const {
+  if (!worker.hung.empty()) return;
+  const std::optional<std::string> why = worker.process.Hangs();
+  if (!why) return;
+  worker.hung = *why;
+  worker.process.child().Signal(SIGKILL);
+  if (!plan_.notice) return;
+  plan_.notice(
+      fmt::format("an evaluation's process (pid {}) hangs: {}; it is killed, its episodes are driven again",
+                  worker.process.child().pid(), *why));
 }
 
 void EvaluationJob::Step() {
@@ -83,6 +97,7 @@ void EvaluationJob::Step() {
     }
     const auto status = running_[i].process.child().TryWait();
     if (!status) {
+      KillIfHung(running_[i]);
       ++i;
       continue;
     }
@@ -140,7 +155,10 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
     lost.group = rest.group;
     lost.summary.scenario = worker.scenario;
     lost.summary.seed = rest.first_seed;
-    lost.error = fmt::format("its process ended twice, last with {}: {}", status.Describe(), last_message);
+    lost.error =
+        worker.hung.empty()
+            ? fmt::format("its process ended twice, last with {}: {}", status.Describe(), last_message)
+            : fmt::format("its process was lost twice, the last hung: {}", worker.hung);
     episodes_.push_back(std::move(lost));
     if (rest.count > 1) waiting_.push_back({worker.scenario, Rest(rest, 1), 0});
     return;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,9 @@ struct EvaluationPlan {
   int episodes = 50;  // of each group
   int processes = 1;
   int nice = 0;
+  HangLimits hang_limits;
+  // One line about what went wrong on the way and did not end the evaluation; may be empty.
+  std::function<void(const std::string&)> notice;
 };
 
 // Consecutive seeds of one group: the work of one process.
@@ -57,9 +61,9 @@ class EvaluationJob {
   int planned_episodes() const { return planned_; }
   std::vector<pid_t> RunningPids() const;
 
-  // After done(): the report, or why there is none. Episodes that a process left undone are tried once more.
-  // One that kills its process twice is reported as lost; an error that comes twice ends the evaluation and
-  // shows the end of what was logged.
+  // After done(): the report, or why there is none. Episodes that a process left undone are tried once more;
+  // a process that hangs is killed. One that kills its process twice is reported as lost; an error that comes
+  // twice ends the evaluation and shows the end of what was logged.
   Result<EvaluationReport> TakeReport();
 
  private:
@@ -68,6 +72,7 @@ class EvaluationJob {
     EvaluationSlice slice;
     int attempts = 1;
     CapturedProcess process;
+    std::string hung;  // why it was killed
   };
   struct Waiting {
     std::string scenario;
@@ -77,6 +82,7 @@ class EvaluationJob {
 
   explicit EvaluationJob(EvaluationPlan plan) : plan_(std::move(plan)) {}
   Result<Worker> Launch(const Waiting& next) const;
+  void KillIfHung(Worker& worker) const;
   // Takes over the episodes of an ended worker; queues or reports what is missing.
   void Gather(Worker& worker, const ExitStatus& status);
   // The worker ended after `done` of its episodes.

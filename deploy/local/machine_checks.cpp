@@ -1,7 +1,5 @@
 #include "deploy/local/machine_checks.h"
 
-#include <poll.h>
-#include <sys/mman.h>
 #include <sys/timex.h>
 #include <unistd.h>
 
@@ -10,14 +8,12 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
-#include <thread>
 
 #include "common/dds/node.h"
-#include "common/io/file_descriptor.h"
-#include "deploy/local/child_process.h"
+#include "deploy/local/captured_process.h"
 #include "deploy/local/cluster_address.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/system_call_checks.h"
 #include "proto/telemetry.h"
 
 namespace dadrl {
@@ -30,23 +26,14 @@ struct CommandResult {
   std::string output;
 };
 
-std::string Content(const FileDescriptor& file) {
-  std::ifstream stream(fmt::format("/proc/self/fd/{}", file.get()));
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 // Runs a short command and returns what it printed; killed after ten seconds.
 CommandResult Capture(std::vector<std::string> command) {
-  const FileDescriptor output(memfd_create("output", MFD_CLOEXEC));
-  auto child = ChildProcess::Spawn(
-      {.command = std::move(command), .log = {}, .stdout_fd = output.get(), .log_fd = output.get()});
-  if (!child) return {.ran = false, .output = child.error().message};
-  pollfd fd{.fd = child->pidfd(), .events = POLLIN, .revents = 0};
-  if (poll(&fd, 1, 10'000) != 1) return {.ran = false, .output = "it does not answer within ten seconds"};
-  const auto status = child->TryWait();
-  return {.ran = status && status->success(), .output = Content(output)};
+  auto process = CapturedProcess::Spawn(std::move(command));
+  if (!process) return {.ran = false, .output = process.error().message};
+  const auto status = process->child().Wait(std::chrono::seconds(10));
+  if (!status) return {.ran = false, .output = "it does not answer within ten seconds"};
+  const std::string output = process->Output();
+  return {.ran = status->success(), .output = output.empty() ? process->LastMessage() : output};
 }
 
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
@@ -143,16 +130,6 @@ int64_t NumberIn(const std::filesystem::path& file) {
   return value;
 }
 
-double AvailableMemory() {
-  std::ifstream stream("/proc/meminfo");
-  for (std::string key; stream >> key;) {
-    double kib = 0.0;
-    if (key == "MemAvailable:" && stream >> kib) return 1024.0 * kib;
-    stream.ignore(256, '\n');
-  }
-  return 0.0;
-}
-
 }  // namespace
 
 MachineCheck CheckReceiveBuffer(int64_t wanted_bytes, int64_t system_limit_bytes) {
@@ -172,9 +149,10 @@ MachineCheck CheckDisk(const std::string& folder, double free_bytes, double want
   return {"disk", free_bytes < kGiB ? CheckState::kBroken : CheckState::kWarning, found, remedy};
 }
 
-MachineCheck CheckMemory(double available_bytes, double wanted_bytes) {
-  const std::string found = fmt::format("{:.1f} GiB available", available_bytes / kGiB);
-  if (available_bytes >= wanted_bytes) return {"memory", CheckState::kGood, found, ""};
+MachineCheck CheckMemory(const UsableMemory& memory, double wanted_bytes) {
+  const std::string found =
+      fmt::format("{:.1f} GiB available{}", memory.bytes / kGiB, memory.of_cgroup ? " to this cgroup" : "");
+  if (memory.bytes >= wanted_bytes) return {"memory", CheckState::kGood, found, ""};
   return {"memory", CheckState::kWarning, found,
           fmt::format("lower replay.max_memory_bytes or actor.count; {:.1f} GiB "
                       "would suffice",
@@ -207,8 +185,8 @@ std::vector<MachineCheck> CheckMachine(const Config& config) {
   // An actor with SUMO takes about a quarter of a gibibyte.
   checks.push_back(CheckMemory(AvailableMemory(), static_cast<double>(config.replay.max_memory_bytes) +
                                                       kGiB * (1.0 + 0.25 * config.actor.count)));
-  checks.push_back(CheckCores(static_cast<int>(std::thread::hardware_concurrency()),
-                              config.learner.threads + config.actor.count));
+  checks.push_back(CheckCores(UsableCores(), config.learner.threads + config.actor.count));
+  checks.push_back(CheckSystemCalls());
   checks.push_back(CheckClock());
   return checks;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/util/resources.h"
 
 namespace dadrl {
 
@@ -27,7 +28,7 @@ std::vector<MachineCheck> CheckMachine(const Config& config);
 // The single checks, with what they look at passed in.
 MachineCheck CheckReceiveBuffer(int64_t wanted_bytes, int64_t system_limit_bytes);
 MachineCheck CheckDisk(const std::string& folder, double free_bytes, double wanted_bytes);
-MachineCheck CheckMemory(double available_bytes, double wanted_bytes);
+MachineCheck CheckMemory(const UsableMemory& memory, double wanted_bytes);
 MachineCheck CheckCores(int cores, int processes);
 
 }  // namespace dadrl

@@ -15,7 +15,7 @@ RestartDecision RestartPolicy::OnEnd(TimePoint now, const Ended& ended) {
   while (failures_.front() + limits_.window < now) failures_.pop_front();
 
   // A SIGKILL comes from outside (a user, the out-of-memory killer): it says nothing about start-up.
-  const bool killed = ended.status.signaled && ended.status.value == SIGKILL;
+  const bool killed = !ended.hung && ended.status.signaled && ended.status.value == SIGKILL;
   if (ended.was_ready) before_ready_in_a_row_ = 0;
   if (!ended.was_ready && !killed) ++before_ready_in_a_row_;
 

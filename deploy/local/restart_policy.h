@@ -26,7 +26,8 @@ struct RestartLimits {
 struct Ended {
   ExitStatus status;
   Duration uptime{};
-  bool was_ready = false;  // it had reported that it works
+  bool was_ready = false;  // it had come up
+  bool hung = false;       // and was killed for it
 };
 
 struct RestartAfter {

@@ -26,6 +26,8 @@ struct RunPaths {
   // The choice among the last policies: candidates, their figures, seeds (policy_selection.h).
   std::filesystem::path selection() const { return root / "selection.json"; }
   std::filesystem::path lock() const { return root / "lock"; }
+  // What the launcher knows of its processes (deploy/monitor/supervision.h).
+  std::filesystem::path processes() const { return root / "processes.json"; }
   // The newest policy that the learner saved: its link, replaced with every checkpoint.
   std::filesystem::path policy() const { return checkpoints() / "latest"; }
   // The policy that was chosen when training ended: a link; not there while training goes on.

@@ -46,6 +46,11 @@ RunResults RunResults::Load(const std::filesystem::path& path, const Config& con
   }
   Json& json = results.json_;
   results.earlier_s_ = Number(json, "training_s");
+  if (const auto lost = json.find("lost_s"); lost != json.end() && lost->is_object()) {
+    for (const auto& [fault, seconds] : lost->items()) {
+      if (seconds.is_number()) results.earlier_lost_s_[fault] = seconds.get<double>();
+    }
+  }
   json["scenario"] = config.scenario;
   json["seed"] = config.seed;
   json["commit"] = BuildCommit();
@@ -70,6 +75,13 @@ void RunResults::Update(const std::string& state, double session_s, const Traine
   if (trained.weights_version > 0) json_["weights_version"] = trained.weights_version;
   json_["env_steps"] = episodes.env_steps();
   json_["training_episodes"] = episodes.episodes();
+}
+
+void RunResults::SetLost(const LostTime& lost) {
+  std::map<std::string, double> seconds = earlier_lost_s_;
+  for (const auto& [fault, duration] : lost.by_fault()) seconds[fault] += ToSeconds(duration);
+  json_["lost_s"] = Json::object();
+  for (const auto& [fault, s] : seconds) json_["lost_s"][fault] = s;
 }
 
 Status RunResults::Save() const { return WriteFileAtomically(path_, std::string_view(json_.dump(2) + "\n")); }

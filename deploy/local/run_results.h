@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/config/config.h"
 #include "common/util/result.h"
 #include "deploy/local/episode_log.h"
+#include "deploy/local/lost_time.h"
 #include "deploy/local/training_curve.h"
 #include "proto/evaluation/report.h"
 
@@ -32,9 +34,11 @@ class RunResults {
 
   void AddEvaluation(const EvaluatedAt& at, const EvaluationReport& report);
   void SetFinal(const EvaluatedAt& at, const EvaluationReport& report);
-  // `state`: "running", "finished", "interrupted", "failed".
+  // `state`: "running", "finished", "interrupted", "held_up", "failed".
   void Update(const std::string& state, double session_s, const TrainedSoFar& trained,
               const EpisodeLog& episodes);
+  // What faults took in this session, added to the earlier ones.
+  void SetLost(const LostTime& lost);
   // Atomic; blocks on the disk.
   Status Save() const;
 
@@ -43,6 +47,7 @@ class RunResults {
 
   std::filesystem::path path_;
   double earlier_s_ = 0.0;
+  std::map<std::string, double> earlier_lost_s_;  // by fault
   nlohmann::ordered_json json_;
 };
 

@@ -21,7 +21,9 @@ Status SelectionJob::Begin() {
                                                                    .first_seed = kFirstValidationSeed,
                                                                    .groups = 1,
                                                                    .episodes = plan_.episodes,
-                                                                   .processes = plan_.processes}));
+                                                                   .processes = plan_.processes,
+                                                                   .hang_limits = plan_.hang_limits,
+                                                                   .notice = plan_.notice}));
   current_.emplace(std::move(job));
   return {};
 }

@@ -20,6 +20,8 @@ struct SelectionPlan {
   std::filesystem::path config;   // passed on as --config; empty: none
   int episodes = 100;             // of each candidate, of each scenario: traffic from kFirstValidationSeed
   int processes = 1;
+  HangLimits hang_limits;
+  std::function<void(const std::string&)> notice;  // as EvaluationPlan's
   std::vector<SavedPolicy> candidates;  // the newest first; at least one; nobody removes them meanwhile
 };
 

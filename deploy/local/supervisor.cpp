@@ -12,31 +12,45 @@ namespace {
 // Without a report, a process that stays up this long is taken to have come up.
 constexpr Duration kReadyByAge = std::chrono::seconds(20);
 constexpr size_t kTailLines = 8;
+// For the threads of a process that hangs to write their stacks.
+constexpr Duration kDumpTime = std::chrono::milliseconds(500);
+// What was killed is gone at once, unless a device holds it.
+constexpr Duration kKillTime = std::chrono::seconds(10);
 
 bool IsUp(ProcessState state) { return state == ProcessState::kRunning || state == ProcessState::kStopping; }
 bool WillRun(ProcessState state) { return IsUp(state) || state == ProcessState::kWaiting; }
 
 }  // namespace
 
-Supervisor::Supervisor(const RestartLimits& limits, const Clock& clock, Notice notice)
-    : limits_(limits), clock_(clock), notice_(std::move(notice)) {}
+Supervisor::Supervisor(const RestartLimits& limits, const HangLimits& hang_limits, const Clock& clock,
+                       Notice notice)
+    : limits_(limits), hang_limits_(hang_limits), clock_(clock), notice_(std::move(notice)) {}
 
 Status Supervisor::Start(ProcessSpec spec, bool resumed) {
   const uint64_t seed = DeriveSeed(static_cast<uint64_t>(WallTimeNs()), entries_.size());
-  Entry entry{
-      .spec = std::move(spec), .policy = RestartPolicy(limits_, seed), .child = {}, .give_up_reason = {}};
+  Entry entry{.spec = std::move(spec),
+              .policy = RestartPolicy(limits_, seed),
+              .child = {},
+              .watch = {},
+              .hung = {},
+              .last_end = {},
+              .give_up_reason = {}};
   DADRL_RETURN_IF_ERROR(Launch(entry, resumed));
   entries_.push_back(std::move(entry));
   return {};
 }
 
 Status Supervisor::Launch(Entry& entry, bool restart) {
+  entry.started = clock_.Now();
+  entry.watch = std::make_unique<LivenessWatch>(hang_limits_, entry.started);
   DADRL_ASSIGN_OR_RETURN(entry.child, ChildProcess::Spawn({.command = entry.spec.command(restart),
                                                            .log = entry.spec.log,
-                                                           .nice = entry.spec.nice}));
+                                                           .nice = entry.spec.nice,
+                                                           .beats_fd = entry.watch->page_fd()}));
   entry.state = ProcessState::kRunning;
-  entry.ready = entry.killed = false;
-  entry.started = clock_.Now();
+  entry.killed = false;
+  entry.hung.clear();
+  entry.changed_ns = WallTimeNs();
   return {};
 }
 
@@ -51,7 +65,7 @@ Duration Supervisor::NextDeadline(Duration limit) const {
   const TimePoint now = clock_.Now();
   for (const Entry& entry : entries_) {
     const bool timed = entry.state == ProcessState::kWaiting || entry.state == ProcessState::kStopping;
-    if (timed && !entry.killed) {
+    if (timed || !entry.hung.empty()) {
       next = std::min(next, std::max(Duration::zero(), entry.due - now));
     }
   }
@@ -59,34 +73,84 @@ Duration Supervisor::NextDeadline(Duration limit) const {
 }
 
 void Supervisor::Step() {
-  for (Entry& entry : entries_) {
-    if (entry.child) {
-      if (const auto status = entry.child->TryWait()) OnEnded(entry, *status);
-    }
-    if (entry.state == ProcessState::kStopping && !entry.killed && clock_.Now() >= entry.due) {
-      notice_(fmt::format("{} did not end within {:g} s and is killed", entry.spec.name,
-                          ToSeconds(entry.spec.stop_grace)));
-      Kill(entry);
-    }
-    if (entry.state == ProcessState::kWaiting && clock_.Now() >= entry.due) {
-      const Status launched = Launch(entry, true);
-      if (!launched) {
+  for (Entry& entry : entries_) StepOne(entry);
+}
+
+void Supervisor::StepOne(Entry& entry) {
+  const bool due = clock_.Now() >= entry.due;
+  if (entry.child) {
+    if (const auto status = entry.child->TryWait()) return OnEnded(entry, *status);
+  }
+  switch (entry.state) {
+    case ProcessState::kRunning:
+      LookForHang(entry);
+      break;
+    case ProcessState::kStopping:
+      StepStopping(entry, due);
+      break;
+    case ProcessState::kWaiting:
+      if (!due) break;
+      if (const Status launched = Launch(entry, true); !launched) {
         notice_(launched.error().message);
         Decide(entry, Ended{.status = {.signaled = false, .value = 1}});
       }
-    }
+      break;
+    default:
+      break;
+  }
+}
+
+void Supervisor::StepStopping(Entry& entry, bool due) {
+  const std::string& name = entry.spec.name;
+  if (entry.killed) {
+    if (!due) return;
+    notice_(fmt::format("{} cannot be killed: a device holds it; it is left behind", name));
+    entry.state = ProcessState::kStopped;
+  } else if (due) {
+    notice_(
+        fmt::format("{} did not end within {:g} s and is killed", name, ToSeconds(entry.spec.stop_grace)));
+    Kill(entry);
+  } else if (const auto why = entry.watch->Look(entry.child->pid(), clock_.Now())) {
+    notice_(fmt::format("{} hangs while it is asked to end: {}; it is killed", name, *why));
+    DumpThreads(entry.child->pid(), entry.spec.log);
+    Kill(entry);
+  }
+}
+
+void Supervisor::LookForHang(Entry& entry) {
+  const TimePoint now = clock_.Now();
+  if (!entry.hung.empty()) {
+    if (now >= entry.due) entry.child->Signal(SIGKILL);
+    return;
+  }
+  const std::optional<std::string> why = entry.watch->Look(entry.child->pid(), now);
+  if (!why) return;
+  entry.hung = *why;
+  entry.due = now + kDumpTime;
+  notice_(fmt::format("{} hangs: {}; it is killed, what its threads are at is in {}", entry.spec.name, *why,
+                      entry.spec.log.string()));
+  DumpThreads(entry.child->pid(), entry.spec.log);
+}
+
+void Supervisor::AddPause(Duration paused) {
+  for (Entry& entry : entries_) {
+    if (entry.watch) entry.watch->AddPause(paused);
+    // What it was given to end in is time in which it runs.
+    entry.due += paused;
   }
 }
 
 void Supervisor::Kill(Entry& entry) {
   entry.state = ProcessState::kStopping;
   entry.killed = true;
+  entry.due = clock_.Now() + kKillTime;
   entry.child->Signal(SIGKILL);
 }
 
 void Supervisor::OnEnded(Entry& entry, const ExitStatus& status) {
   entry.child.reset();
-  if (entry.state == ProcessState::kStopping) {
+  entry.changed_ns = WallTimeNs();
+  if (entry.state == ProcessState::kStopping || entry.state == ProcessState::kStopped) {
     entry.state = ProcessState::kStopped;
     if (!status.success() && !entry.killed) {
       notice_(WithLogTail(
@@ -99,21 +163,33 @@ void Supervisor::OnEnded(Entry& entry, const ExitStatus& status) {
     return;
   }
   const Duration uptime = clock_.Now() - entry.started;
-  Decide(entry, Ended{.status = status, .uptime = uptime, .was_ready = entry.ready || uptime >= kReadyByAge});
+  Decide(entry, Ended{.status = status,
+                      .uptime = uptime,
+                      .was_ready = entry.watch->begun() || uptime >= kReadyByAge,
+                      .hung = !entry.hung.empty()});
 }
 
 void Supervisor::Decide(Entry& entry, const Ended& ended) {
   const RestartDecision decision = entry.policy.OnEnd(clock_.Now(), ended);
-  const std::string what = fmt::format("{} ended with {}", entry.spec.name, ended.status.Describe());
+  if (ended.hung) {
+    ++entry.hangs;
+    entry.last_end = fmt::format("it hung: {}", entry.hung);
+    entry.hung.clear();
+  } else {
+    entry.last_end = fmt::format("it ended with {}", ended.status.Describe());
+  }
   if (const auto* restart = std::get_if<RestartAfter>(&decision)) {
+    ++entry.restarts;
     entry.state = ProcessState::kWaiting;
     entry.due = clock_.Now() + restart->delay;
-    notice_(fmt::format("{}; starting it again in {:.1f} s", what, ToSeconds(restart->delay)));
+    notice_(fmt::format("{}: {}; starting it again in {:.1f} s", entry.spec.name, entry.last_end,
+                        ToSeconds(restart->delay)));
     return;
   }
   entry.state = ProcessState::kGivenUp;
   entry.give_up_reason = std::get<GiveUp>(decision).reason;
-  notice_(WithLogTail(entry, fmt::format("{}; not started again: {}", what, entry.give_up_reason)));
+  notice_(WithLogTail(entry, fmt::format("{}: {}; not started again: {}", entry.spec.name, entry.last_end,
+                                         entry.give_up_reason)));
 }
 
 std::string Supervisor::WithLogTail(const Entry& entry, std::string text) const {
@@ -123,17 +199,15 @@ std::string Supervisor::WithLogTail(const Entry& entry, std::string text) const 
   return text;
 }
 
-void Supervisor::MarkReady(pid_t pid) {
-  for (Entry& entry : entries_) {
-    if (entry.child && entry.child->pid() == pid) entry.ready = true;
-  }
-}
-
 void Supervisor::StopRole(std::string_view role) {
   for (Entry& entry : entries_) {
     if (entry.spec.role != role) continue;
     if (entry.state == ProcessState::kWaiting) entry.state = ProcessState::kStopped;
     if (entry.state != ProcessState::kRunning) continue;
+    if (!entry.hung.empty()) {
+      Kill(entry);  // nobody is there to be asked
+      continue;
+    }
     entry.state = ProcessState::kStopping;
     entry.due = clock_.Now() + entry.spec.stop_grace;
     entry.child->Signal(SIGTERM);
@@ -172,12 +246,17 @@ std::vector<pid_t> Supervisor::RunningPids() const {
   return pids;
 }
 
+bool Supervisor::Expendable(const Entry& entry) const {
+  if (!entry.spec.expendable) return false;
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& other) {
+    return &other != &entry && other.spec.role == entry.spec.role && WillRun(other.state);
+  });
+}
+
 std::optional<std::string> Supervisor::Lost() const {
   for (const Entry& entry : entries_) {
-    if (entry.state != ProcessState::kGivenUp) continue;
-    if (!entry.spec.expendable || RoleEnded(entry.spec.role)) {
-      return fmt::format("{}: {}", entry.spec.name, entry.give_up_reason);
-    }
+    if (entry.state != ProcessState::kGivenUp || Expendable(entry)) continue;
+    return fmt::format("{}: {}", entry.spec.name, entry.give_up_reason);
   }
   return std::nullopt;
 }

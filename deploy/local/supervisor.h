@@ -1,10 +1,12 @@
-// Keeps a set of processes alive: starts them, starts them again after a crash, stops them in order.
+// Keeps a set of processes alive: starts them, starts them again after a crash or when they hang, stops them
+// in order.
 #pragma once
 
 #include <poll.h>
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,7 +15,9 @@
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "deploy/local/child_process.h"
+#include "deploy/local/liveness_watch.h"
 #include "deploy/local/restart_policy.h"
+#include "deploy/monitor/supervision.h"
 
 namespace dadrl {
 
@@ -39,13 +43,15 @@ enum class ProcessState {
 };
 
 // Not thread safe; all calls on the one thread that lives as long as the children. Nothing here blocks:
-// the owner polls AppendWaitFds and calls Step.
+// the owner polls AppendWaitFds and calls Step, several times a second. Processes beat on a page that they
+// inherit (common/liveness); one that hangs (HangWatch) is said, its threads are written to its log, and it
+// is killed and started again.
 class Supervisor {
  public:
   // `notice` gets one line (or a few, with a log's end) about what happened; called from Step, Start and
   // Stop.
   using Notice = std::function<void(const std::string& text)>;
-  Supervisor(const RestartLimits& limits, const Clock& clock, Notice notice);
+  Supervisor(const RestartLimits& limits, const HangLimits& hang_limits, const Clock& clock, Notice notice);
 
   // Starts it now; `resumed` is passed on to its command. A command that cannot be executed at all is an
   // error.
@@ -55,11 +61,10 @@ class Supervisor {
   void AppendWaitFds(std::vector<pollfd>& fds) const;
   // Until the next restart or kill is due; at most `limit`.
   Duration NextDeadline(Duration limit) const;
-  // Reaps, restarts, kills what outstayed its grace.
+  // Reaps, restarts, kills what hangs or outstayed its grace.
   void Step();
-
-  // The process reported that it works: a crash is from now on not one of start-up.
-  void MarkReady(pid_t pid);
+  // All processes were kept stopped for so long (Ctrl-Z).
+  void AddPause(Duration paused);
 
   // Asks every process of `role` to end; those waiting for a restart just do not come back.
   void StopRole(std::string_view role);
@@ -75,6 +80,10 @@ class Supervisor {
   std::vector<pid_t> RunningPids() const;
   // The process that was given up and cannot be done without, with the reason.
   std::optional<std::string> Lost() const;
+  // What there is to know of each process.
+  Supervision Describe() const;
+  // What the processes of `role` say that they came to (common/liveness/working_thread.h), in sum.
+  uint64_t Work(std::string_view role) const;
 
  private:
   struct Entry {
@@ -82,20 +91,31 @@ class Supervisor {
     RestartPolicy policy;
     ProcessState state = ProcessState::kRunning;
     std::optional<ChildProcess> child;
-    bool ready = false;
+    std::unique_ptr<LivenessWatch> watch;  // of this start
     TimePoint started{};
-    bool killed = false;  // by us
-    TimePoint due{};      // of the restart (kWaiting) or the kill (kStopping, unless killed)
+    int64_t changed_ns = 0;  // wall time of its last start or end
+    std::string hung;        // why it is about to be killed
+    bool killed = false;     // by us, and not to be started again
+    TimePoint due{};         // of the restart (kWaiting) or the kill (kStopping unless killed, and when hung)
+    int restarts = 0;
+    int hangs = 0;
+    std::string last_end;
     std::string give_up_reason;
   };
 
   Status Launch(Entry& entry, bool restart);
+  void StepOne(Entry& entry);
+  void StepStopping(Entry& entry, bool due);
+  void LookForHang(Entry& entry);
   void Kill(Entry& entry);
   void OnEnded(Entry& entry, const ExitStatus& status);
   void Decide(Entry& entry, const Ended& ended);
   std::string WithLogTail(const Entry& entry, std::string text) const;
+  bool Expendable(const Entry& entry) const;
+  SupervisedProcess Describe(const Entry& entry) const;
 
   RestartLimits limits_;
+  HangLimits hang_limits_;
   const Clock& clock_;
   Notice notice_;
   std::vector<Entry> entries_;

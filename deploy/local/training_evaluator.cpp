@@ -1,12 +1,12 @@
 #include "deploy/local/training_evaluator.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "common/io/atomic_file.h"
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
+#include "common/util/resources.h"
 #include "deploy/local/executables.h"
 
 namespace dadrl {
@@ -14,8 +14,6 @@ namespace {
 
 // While training the evaluation takes what the cluster leaves over.
 constexpr int kInterimNice = 10;
-
-int Cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace
 
@@ -33,13 +31,16 @@ Status TrainingEvaluator::StartFinal() {
     return StartEvaluation(paths_.best_policy(), true);
   }
   DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));
-  DADRL_ASSIGN_OR_RETURN(SelectionJob job,
-                         SelectionJob::Create({.program = program,
-                                               .scenario = config_.scenario,
-                                               .config = paths_.config(),
-                                               .episodes = config_.evaluation.candidate_episodes,
-                                               .processes = std::max(Cores(), config_.evaluation.processes),
-                                               .candidates = std::move(candidates)}));
+  DADRL_ASSIGN_OR_RETURN(
+      SelectionJob job,
+      SelectionJob::Create({.program = program,
+                            .scenario = config_.scenario,
+                            .config = paths_.config(),
+                            .episodes = config_.evaluation.candidate_episodes,
+                            .processes = std::max(UsableCores(), config_.evaluation.processes),
+                            .hang_limits = HangLimits::Of(config_.cluster),
+                            .notice = message_,
+                            .candidates = std::move(candidates)}));
   selection_.emplace(std::move(job));
   return {};
 }
@@ -63,8 +64,10 @@ Status TrainingEvaluator::StartEvaluation(const std::filesystem::path& policy_fi
            .first_seed = final ? kFirstEvaluationSeed : kFirstValidationSeed,
            .episodes = config_.evaluation.episodes,
            .processes =
-               final ? std::max(Cores(), config_.evaluation.processes) : config_.evaluation.processes,
-           .nice = final ? 0 : kInterimNice}));
+               final ? std::max(UsableCores(), config_.evaluation.processes) : config_.evaluation.processes,
+           .nice = final ? 0 : kInterimNice,
+           .hang_limits = HangLimits::Of(config_.cluster),
+           .notice = message_}));
   evaluation_.emplace(std::move(job));
   final_ = final;
   evaluated_ = {policy_file, policy.updates, policy.policy_version};

@@ -13,7 +13,6 @@ namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kSaveInterval = std::chrono::seconds(10);
-constexpr Duration kEpisodesInterval = std::chrono::seconds(1);
 // The learner stops by itself when `minutes` are over; this much later it is stopped.
 constexpr double kOverrun_s = 30.0;
 
@@ -26,7 +25,9 @@ TrainingRun::TrainingRun(const RunPaths& paths, const Config& config, bool resum
       resume_(resume),
       signals_(signals),
       display_(display),
-      supervisor_(RestartLimits{}, clock_, [this](const std::string& text) { display_.Message(text); }),
+      supervisor_(RestartLimits{}, HangLimits::Of(config.cluster), clock_,
+                  [this](const std::string& text) { display_.Message(text); }),
+      health_(paths.processes(), clock_, [this](const std::string& text) { display_.Message(text); }),
       results_(RunResults::Load(paths.results(), config)),
       evaluator_(paths, config, [this](const std::string& text) { display_.Message(text); }) {}
 
@@ -44,9 +45,7 @@ Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, 
 
 Status TrainingRun::OpenTelemetry() {
   DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths_.root));
-  auto monitor = ClusterMonitor::Open(
-      config_, key, clock_,
-      {.on_status = [this](const ProcessStatus& status) { supervisor_.MarkReady(status.pid); }});
+  auto monitor = ClusterMonitor::Open(config_, key, clock_);
   if (monitor) {
     monitor_ = std::move(*monitor);
   } else {
@@ -80,11 +79,9 @@ Result<RunOutcome> TrainingRun::Run() {
     WaitForEvents();
     if (monitor_) monitor_->Poll(Duration::zero());
     supervisor_.Step();
-    std::vector<pid_t> owned = supervisor_.RunningPids();
-    const std::vector<pid_t> more = evaluator_.RunningPids();
-    owned.insert(owned.end(), more.begin(), more.end());
-    ReapAdopted(owned);
-    HandleStopRequests();
+    ReapAdopted(ChildPids());
+    HandleSignals();
+    health_.Step(supervisor_, phase_ == Phase::kTraining);
     Advance();
     if (phase_ != Phase::kDone && display_.Due()) display_.Show(MakeProgress());
   }
@@ -99,7 +96,25 @@ void TrainingRun::WaitForEvents() {
   poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
 }
 
-void TrainingRun::HandleStopRequests() {
+std::vector<pid_t> TrainingRun::ChildPids() const {
+  std::vector<pid_t> pids = supervisor_.RunningPids();
+  const std::vector<pid_t> more = evaluator_.RunningPids();
+  pids.insert(pids.end(), more.begin(), more.end());
+  return pids;
+}
+
+void TrainingRun::AddPause(Duration paused) {
+  supervisor_.AddPause(paused);
+  health_.AddPause(paused);
+  for (TimePoint* time : {&started_, &next_evaluation_, &next_save_}) *time += paused;
+}
+
+void TrainingRun::HandleSignals() {
+  if (signals_.PauseRequested()) {
+    display_.Message("paused with all its processes; fg (or kill -CONT) goes on");
+    display_.Finish();
+    signals_.PauseWith(ChildPids(), [this](Duration paused) { AddPause(paused); });
+  }
   if (signals_.KillRequested()) {
     KillEverything();
     return;
@@ -232,69 +247,6 @@ void TrainingRun::KillEverything() {
   evaluator_.Cancel();
   supervisor_.KillAll();
   EndRun(RunOutcome::kFailed);
-}
-
-void TrainingRun::EndRun(RunOutcome outcome) {
-  outcome_ = outcome;
-  phase_ = Phase::kDone;
-  evaluator_.Cancel();
-  SaveResults(outcome == RunOutcome::kFinished      ? "finished"
-              : outcome == RunOutcome::kInterrupted ? "interrupted"
-                                                    : "failed");
-}
-
-void TrainingRun::SaveResults(const char* state) {
-  UpdateEpisodes();
-  results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_,
-                  LastOfTraining(paths_.training()), *episodes_);
-  const Status saved = results_.Save();
-  if (!saved) display_.Message(saved.error().message);
-}
-
-void TrainingRun::UpdateEpisodes() {
-  next_episodes_ = clock_.Now() + kEpisodesInterval;
-  const Status written = episodes_->Update();
-  const bool failed_before = std::exchange(episodes_failing_, !written);
-  if (!written && !failed_before) display_.Message(written.error().message);
-}
-
-double TrainingRun::SessionSeconds() const { return ToSeconds(clock_.Now() - started_); }
-
-std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
-  switch (phase_) {
-    case Phase::kDrainingActors:
-    case Phase::kDrainingLearner:
-    case Phase::kDrainingReplay:
-      return "stopping";
-    case Phase::kFinalEvaluation:
-      return evaluator_.Progress();
-    default:
-      break;
-  }
-  const bool evaluating = evaluator_.running();
-  if (!monitor_) return evaluating ? "running and evaluating" : "running";
-  if (summary.updates_per_s > 0.0) return evaluating ? "training and evaluating" : "training";
-  const auto needed = static_cast<double>(config_.replay.min_size);
-  if (summary.replay_frames < needed) {
-    return fmt::format("waiting for {} frames before training: {} so far", Thousands(needed),
-                       Thousands(summary.replay_frames));
-  }
-  return "waiting for the learner";
-}
-
-Progress TrainingRun::MakeProgress() const {
-  Progress progress;
-  if (monitor_) progress.summary = monitor_->Summarize();
-  progress.summary.episodes += static_cast<double>(earlier_episodes_);
-  progress.summary.env_steps += static_cast<double>(earlier_env_steps_);
-  progress.title = fmt::format("dadrl train {}  ({})", config_.scenario, paths_.root.string());
-  progress.phase = PhaseText(progress.summary);
-  progress.elapsed_s = results_.earlier_s() + (phase_ == Phase::kTraining ? SessionSeconds() : trained_s_);
-  progress.total_s = 60.0 * config_.minutes;
-  progress.last_evaluation = last_evaluation_;
-  progress.bottleneck =
-      monitor_ ? DescribeBottleneck(progress.summary, config_) : "unknown without telemetry";
-  return progress;
 }
 
 }  // namespace dadrl

@@ -11,6 +11,7 @@
 #include "common/util/result.h"
 #include "deploy/local/episode_log.h"
 #include "deploy/local/run_directory.h"
+#include "deploy/local/run_health.h"
 #include "deploy/local/run_results.h"
 #include "deploy/local/signals.h"
 #include "deploy/local/supervisor.h"
@@ -24,6 +25,7 @@ namespace dadrl {
 enum class RunOutcome {
   kFinished,     // by minutes or learner.max_updates; drained and evaluated
   kInterrupted,  // drained on the user's word; --resume goes on
+  kHeldUp,       // drained, but faults took more than half of its time (LostTime); --resume goes on
   kFailed,       // a process could not be kept alive, or the user would not wait
 };
 
@@ -48,7 +50,9 @@ class TrainingRun {
   Status StartCluster();
 
   void WaitForEvents();
-  void HandleStopRequests();
+  std::vector<pid_t> ChildPids() const;
+  void AddPause(Duration paused);
+  void HandleSignals();
   void Advance();
   void AdvanceTraining();
   // Leaves kTraining towards `outcome`; `why` is shown.
@@ -60,6 +64,8 @@ class TrainingRun {
   void FinishEvaluation(const Result<EvaluatedPolicy>& evaluated);
   void EndRun(RunOutcome outcome);
   void KillEverything();
+  // Faults took so much of its time that it did not do its work.
+  bool HeldUp() const;
 
   Progress MakeProgress() const;
   std::string PhaseText(const ClusterSummary& summary) const;
@@ -74,6 +80,7 @@ class TrainingRun {
   ProgressDisplay& display_;
   SystemClock clock_;
   Supervisor supervisor_;
+  RunHealth health_;
   std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
   std::optional<EpisodeLog> episodes_;       // there after Create
   bool episodes_failing_ = false;            // the last update could not be written

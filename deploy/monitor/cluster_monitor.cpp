@@ -5,26 +5,22 @@
 namespace dadrl {
 
 Result<std::unique_ptr<ClusterMonitor>> ClusterMonitor::Open(const Config& config, const std::string& key,
-                                                             const Clock& clock, Listeners listeners) {
+                                                             const Clock& clock) {
   if (!config.telemetry.enabled) return Fail(ErrorCode::kUnavailable, "telemetry.enabled is false");
   DADRL_ASSIGN_OR_RETURN(auto subscriber, TelemetrySubscriber::Create(config, key));
   return std::unique_ptr<ClusterMonitor>(
-      new ClusterMonitor(std::move(subscriber), config.telemetry.interval_s, clock, std::move(listeners)));
+      new ClusterMonitor(std::move(subscriber), config.telemetry.interval_s, clock));
 }
 
 ClusterMonitor::ClusterMonitor(std::unique_ptr<TelemetrySubscriber> subscriber, double interval_s,
-                               const Clock& clock, Listeners listeners)
-    : subscriber_(std::move(subscriber)),
-      clock_(clock),
-      listeners_(std::move(listeners)),
-      view_(ClusterView::ForInterval(interval_s)) {}
+                               const Clock& clock)
+    : subscriber_(std::move(subscriber)), clock_(clock), view_(ClusterView::ForInterval(interval_s)) {}
 
 void ClusterMonitor::Poll(Duration timeout) {
   subscriber_->Poll(
       timeout,
       [this](const ProcessStatus& status) {
         if (!view_.Add(status, clock_.Now())) ++surplus_;
-        if (listeners_.on_status) listeners_.on_status(status);
       },
       [this](const EpisodeReport& report) { view_.Add(report); });
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -15,13 +14,9 @@ namespace dadrl {
 // Not thread safe. LCM and DDS start threads of their own: block signals before Open.
 class ClusterMonitor {
  public:
-  struct Listeners {
-    std::function<void(const ProcessStatus&)> on_status;  // may be empty
-  };
-
   // `key`: the run's, or "". kUnavailable when telemetry is off.
   static Result<std::unique_ptr<ClusterMonitor>> Open(const Config& config, const std::string& key,
-                                                      const Clock& clock, Listeners listeners);
+                                                      const Clock& clock);
 
   // Takes in what arrives within `timeout`; zero: what is there.
   void Poll(Duration timeout);
@@ -31,12 +26,10 @@ class ClusterMonitor {
   int ReportingProcesses() const { return view_.ReportingProcesses(clock_.Now()); }
 
  private:
-  ClusterMonitor(std::unique_ptr<TelemetrySubscriber> subscriber, double interval_s, const Clock& clock,
-                 Listeners listeners);
+  ClusterMonitor(std::unique_ptr<TelemetrySubscriber> subscriber, double interval_s, const Clock& clock);
 
   std::unique_ptr<TelemetrySubscriber> subscriber_;
   const Clock& clock_;
-  Listeners listeners_;
   ClusterView view_;
   uint64_t surplus_ = 0;  // packets of one process more than a cluster can have
 };

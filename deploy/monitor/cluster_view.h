@@ -35,9 +35,13 @@ struct ProcessRow {
   int index = 0;
   int pid = 0;
   double uptime_s = 0.0;
-  double silent_s = 0.0;     // since its last message
-  bool stale = false;        // silent for too long: dead, cut off or stuck
-  int restarts = 0;          // incarnations seen after the first
+  double silent_s = 0.0;  // since its last message
+  bool stale = false;     // silent for too long: dead, cut off or stuck
+  int restarts = 0;       // incarnations seen after the first
+  // As its launcher sees it (supervision.h), where that is known.
+  std::string state;
+  std::string trouble;
+  int hangs = 0;
   double steps_per_s = 0.0;  // of what it produces: environment steps, inserted frames, updates
   std::array<double, ActivityTotals::kSize> share{};  // of its time, by Activity, over the window
   ActivityTotals activities;                          // since it started

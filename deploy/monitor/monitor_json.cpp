@@ -30,7 +30,10 @@ Json ProcessJson(const ProcessRow& row) {
           {"stale", row.stale},
           {"silent_s", Finite(row.silent_s)},
           {"uptime_s", Finite(row.uptime_s)},
+          {"state", row.state},
+          {"trouble", row.trouble},
           {"restarts", row.restarts},
+          {"hangs", row.hangs},
           {"per_s", Finite(row.steps_per_s)},
           {"time", shares},
           {"metrics", metrics}};

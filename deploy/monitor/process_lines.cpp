@@ -34,8 +34,13 @@ std::string ProcessLine(const ClusterSummary& summary, const ProcessRow& row, si
   std::string line =
       fmt::format("  {:<{}} pid {:<8} up {:<8} {:>7.1f}/s  works {:>3.0f} %", row.name, name_width, row.pid,
                   FormatTime(row.uptime_s), row.steps_per_s, 100.0 * row.Share(Activity::kWork));
-  if (row.stale) line += fmt::format(", SILENT for {:.0f} s", row.silent_s);
+  if (!row.trouble.empty()) {
+    line += ", " + row.trouble;
+  } else if (row.stale) {
+    line += fmt::format(", SILENT for {:.0f} s", row.silent_s);
+  }
   if (row.restarts > 0) line += fmt::format(", restarted {}x", row.restarts);
+  if (row.hangs > 0) line += fmt::format(" ({}x hung)", row.hangs);
   return line + Waits(summary, row.name);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/liveness/working_thread.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -75,6 +76,7 @@ bool Acknowledger::Publish(TimePoint now) {
   any_due_ = false;
   for (auto& [id, actor] : actors_) {
     if (!actor.due) continue;
+    Beat();  // many actors, each with a bounded wait
     const bool lately = actor.sent != TimePoint{} && now - actor.sent < kMinInterval;
     if (lately && actor.stored < actor.sent_stored + std::max<uint64_t>(1, grant_.chunks / 2)) {
       any_due_ = true;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/config/validate.h"
+#include "common/liveness/working_thread.h"
 #include "common/util/log.h"
 #include "proto/sample_batch.h"
 #include "proto/sequence_batch.h"
@@ -63,13 +64,11 @@ void BatchServer::Run(const std::atomic<bool>& stop) {
 }
 
 void BatchServer::Work(const std::atomic<bool>& stop) {
+  const WorkingThread working("serve");
   std::vector<std::byte> bytes;
   while (!stop.load()) {
-    std::optional<Drawn> drawn;
-    {
-      MutexLock leading(lead_);
-      drawn = Lead();
-    }
+    Beat();
+    std::optional<Drawn> drawn = AwaitLead();
     if (!drawn) continue;
     const Request request = drawn->request;
     bytes = Read(std::move(*drawn), std::move(bytes));
@@ -77,6 +76,13 @@ void BatchServer::Work(const std::atomic<bool>& stop) {
     MutexLock serving(serving_mutex_);
     std::erase(serving_, request.id);
   }
+}
+
+std::optional<BatchServer::Drawn> BatchServer::AwaitLead() {
+  std::optional<Resting> resting(std::in_place);  // the one that leads beats
+  MutexLock leading(lead_);
+  resting.reset();
+  return Lead();
 }
 
 std::optional<BatchServer::Drawn> BatchServer::Lead() {
@@ -242,6 +248,7 @@ bool BatchServer::Serves(const RequestId& id) const {
 
 void BatchServer::Send(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop) {
   while (!bytes.empty() && !stop.load()) {
+    Beat();
     if (endpoints_.replies->matched() == 0) {
       SystemClock().SleepFor(kWait);
     } else if (const Status sent = Reply(request, bytes); sent) {
@@ -257,7 +264,9 @@ void BatchServer::Send(const Request& request, std::vector<std::byte>& bytes, co
 }
 
 bool BatchServer::Replaced(uint64_t learner) {
+  std::optional<Resting> resting(std::in_place);
   MutexLock leading(lead_);
+  resting.reset();
   TakeRequests();
   return queue_.learner() != learner;
 }

@@ -20,10 +20,10 @@
 
 namespace dadrl {
 
-// One thread runs Run, which starts the others; statistics, ledger and Wake are for any. The threads take
-// turns: one leads, that is, waits for requests and draws the next batch; then another leads while it reads,
-// serialises and sends that batch. Batches are drawn in the order of their requests, and may overtake each
-// other on their way out. What waits, and whose it is: request_queue.h.
+// One thread runs Run, which starts the others, all of them WorkingThreads; statistics, ledger and Wake are
+// for any. The threads take turns: one leads, that is, waits for requests and draws the next batch; then
+// another leads while it reads, serialises and sends that batch. Batches are drawn in the order of their
+// requests, and may overtake each other on their way out. What waits, and whose it is: request_queue.h.
 class BatchServer {
  public:
   // One sends while the other prepares: DDS takes as long for a batch as the table.
@@ -70,6 +70,8 @@ class BatchServer {
               std::function<void()> on_sample);
   void Work(const std::atomic<bool>& stop) DADRL_EXCLUDES(lead_);
 
+  // Leads when it is this thread's turn.
+  std::optional<Drawn> AwaitLead() DADRL_EXCLUDES(lead_);
   // Waits a little for requests; the next one's batch when it may be served.
   std::optional<Drawn> Lead() DADRL_REQUIRES(lead_);
   void TakeRequests() DADRL_REQUIRES(lead_);

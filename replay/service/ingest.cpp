@@ -3,6 +3,7 @@
 #include <span>
 #include <utility>
 
+#include "common/liveness/working_thread.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -11,6 +12,8 @@ namespace {
 // Chunks between two rounds of acknowledgements.
 constexpr int kRound = 32;
 constexpr Duration kIdleWait = std::chrono::milliseconds(50);
+// What a disk may take for one write before the process is taken to hang.
+constexpr Duration kSlowDisk = std::chrono::minutes(1);
 // What an actor may have under way, where few share the reader: enough to fill the pipe, or, where the
 // limiter holds actors back, little enough for it to hold them back soon.
 constexpr uint64_t kWideWindow = 64;
@@ -42,8 +45,10 @@ Ingest::Ingest(std::unique_ptr<ChunkReader> reader, std::unique_ptr<Acknowledger
 }
 
 void Ingest::Run(const std::atomic<bool>& stop) {
+  const WorkingThread working("ingest");
   bool more_due = false;
   while (!stop.load()) {
+    Beat();
     const int taken = TakeChunks();
     acknowledger_->SetGrant(CurrentGrant());
     more_due = SyncIfPromised() && acknowledger_->Publish(clock_.Now());
@@ -69,6 +74,7 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
   // While writes fail, what arrives is dropped unseen: the actors keep it and send it again.
   if (failing_ && clock_.Now() < retry_at_) return;
   const std::span bytes(reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length);
+  const LongWork storing(kSlowDisk);
   ChunkRefusal refusal;
   const Result<ReplayTable::Insertion> inserted = table_.Insert(bytes, message.oldest_kept, &refusal);
   if (!inserted) {
@@ -77,6 +83,7 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
   }
   if (*inserted == ReplayTable::Insertion::kStored) {
     unsynced_ = true;
+    ReportWork(++stored_);
     if (std::exchange(failing_, false)) spdlog::info("experience can be stored again");
   }
   const ChunkIdentity identity{message.actor, message.incarnation, message.chunk_sequence};
@@ -98,6 +105,7 @@ void Ingest::OnFailure(const Error& error) {
 bool Ingest::SyncIfPromised() {
   if (replay_.sync != SyncMode::kAlways || !unsynced_) return true;
   if (failing_ && clock_.Now() < retry_at_) return false;
+  const LongWork forcing(kSlowDisk);
   ScopedActivity waiting(ledger_, Activity::kWaitForDisk);
   if (const Status synced = table_.Sync(); !synced) {
     OnFailure(synced.error());

@@ -16,7 +16,7 @@
 
 namespace dadrl {
 
-// The table's one inserting thread runs Run; ledger and Wake are for any.
+// The table's one inserting thread runs Run, a WorkingThread; ledger and Wake are for any.
 //
 // What an acknowledgement promises is replay.sync: always - the chunk is on the device; interval - it
 // survives the death of every process, and reaches the device within replay.sync_interval_s; none - as
@@ -60,6 +60,7 @@ class Ingest {
   TimeLedger ledger_;
 
   std::atomic<bool> withholding_{false};
+  uint64_t stored_ = 0;   // chunks, by this process
   bool failing_ = false;  // the last write to the disk failed
   TimePoint retry_at_{};
   bool unsynced_ = false;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/liveness/working_thread.h"
 #include "common/util/log.h"
 #include "replay/storage/snapshot_folder.h"
 
@@ -9,6 +10,8 @@ namespace dadrl {
 namespace {
 
 constexpr Duration kWait = std::chrono::milliseconds(20);
+// What a disk may take for a snapshot before the process is taken to hang.
+constexpr Duration kSlowDisk = std::chrono::minutes(10);
 constexpr Duration kTrimInterval = std::chrono::seconds(1);
 constexpr Duration kSnapshotCheckInterval = std::chrono::seconds(10);
 
@@ -40,8 +43,11 @@ Keeper::Keeper(const ReplayConfig& replay, uint32_t shard, const std::filesystem
 }
 
 void Keeper::Run(const std::atomic<bool>& stop) {
+  const WorkingThread working("keep");
   while (!stop.load()) {
-    if (const auto job = jobs_.Pop(kWait)) DoJob(*job);
+    const auto job = jobs_.Pop(kWait);
+    const LongWork on_disk(kSlowDisk);
+    if (job) DoJob(*job);
     chores_.DoDue();
   }
 }

@@ -53,7 +53,6 @@ Status ReplayService::Join() {
   DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
   DADRL_ASSIGN_OR_RETURN(node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kReplay,
                                                   static_cast<int>(options_.shard), key));
-  DADRL_ASSIGN_OR_RETURN(heartbeat_, dds::Writer<dadrl_idl_Heartbeat>::Create(*node_, kHeartbeatTopic));
   if (options_.shard == 0) DADRL_RETURN_IF_ERROR(AnnounceRun());
   telemetry_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(
@@ -113,17 +112,11 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   const ReplayTable::Stats stats = table_->stats();
   spdlog::info("shard {} serves {} frames ({} MB on disk)", options_.shard, stats.frames_held,
                stats.disk_bytes / 1000000);
-  const Duration beat_interval = FromSeconds(node_->liveliness_s() / 4);
   const Duration status_interval = FromSeconds(options_.config.telemetry.interval_s);
   SystemClock sleeper;
-  TimePoint next_beat = clock_.Now();
-  TimePoint next_status = next_beat;
+  TimePoint next_status = clock_.Now();
   while (!stop.load()) {
     const TimePoint now = clock_.Now();
-    if (now >= next_beat) {
-      Beat();
-      next_beat = now + beat_interval;
-    }
     if (now >= next_status) {
       PublishStatus();
       next_status = now + status_interval;
@@ -143,16 +136,6 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   DADRL_RETURN_IF_ERROR(table_->SaveState());
   spdlog::info("shard {} stopped with {} frames", options_.shard, table_->stats().frames_held);
   return {};
-}
-
-void ReplayService::Beat() {
-  const dadrl_idl_Heartbeat beat{.role = static_cast<uint32_t>(dds::Role::kReplay),
-                                 .index = options_.shard,
-                                 .incarnation = options_.incarnation,
-                                 .beat = ++beats_};
-  if (const Status sent = heartbeat_->Write(beat); !sent) {
-    spdlog::warn("heartbeat: {}", sent.error().message);
-  }
 }
 
 void ReplayService::PublishStatus() {

@@ -3,8 +3,7 @@
 //   ingest thread   chunks -> table, acknowledgements; the only one that writes experience
 //   server thread   requests -> batches, priorities
 //   keeper thread   what blocks on the disk: syncs, state, snapshots (keeper.h)
-//   caller of Run   what never blocks: commands, leases of actor numbers, heartbeats, telemetry, waits for
-//   the end
+//   caller of Run   what never blocks: commands, leases of actor numbers, telemetry, waits for the end
 #pragma once
 
 #include <atomic>
@@ -54,7 +53,6 @@ class ReplayService {
   Status AnnounceRun();
   Status OpenLeases();
   void SayState(bool ending);
-  void Beat();
   void PublishStatus();
 
   const Options options_;
@@ -66,14 +64,12 @@ class ReplayService {
   std::unique_ptr<Ingest> ingest_;
   std::unique_ptr<Keeper> keeper_;
   std::unique_ptr<CommandDesk> commands_;
-  std::unique_ptr<dds::Writer<dadrl_idl_Heartbeat>> heartbeat_;
   // Shard 0's: for who joins, and for who is out of LCM's reach.
   std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> run_config_;
   std::unique_ptr<dds::Writer<dadrl_idl_RunState>> run_state_;
   std::unique_ptr<LeaseOffice> leases_;
   std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;
-  uint64_t beats_ = 0;
 };
 
 // Resident memory of this process, bytes; 0 where /proc is not there.

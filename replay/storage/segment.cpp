@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/io/io_error.h"
+#include "common/io/unnamed_file.h"
 #include "replay/storage/segment_format.h"
 
 namespace dadrl {
@@ -56,8 +57,7 @@ Result<std::shared_ptr<Segment>> Segment::Create(const std::filesystem::path& pa
                                                  uint64_t schema, uint64_t capacity, Force force) {
   FileDescriptor file;
   if (path.empty()) {
-    file = FileDescriptor(memfd_create("dadrl-replay-segment", MFD_CLOEXEC));
-    if (!file.valid()) return tl::unexpected(IoError("create", "memory segment", errno));
+    DADRL_ASSIGN_OR_RETURN(file, OpenUnnamedFile("dadrl-replay-segment"));
   } else {
     DADRL_ASSIGN_OR_RETURN(file, FileDescriptor::Open(path, O_RDWR | O_CREAT | O_EXCL));
   }

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/io/checksum.h"
-#include "learner/heartbeat.h"
 #include "tests/common/dds/dds_fixture.h"
 #include "tests/common/io/temporary_folder.h"
 
@@ -99,24 +98,6 @@ TEST_F(WeightPublisherTest, PublishDoesNotWaitForActorsAndTheLastPolicyLeavesBef
   std::thread closing([&] { publisher.reset(); });
   EXPECT_TRUE(Await(*reader, 50));
   closing.join();
-}
-
-TEST_F(WeightPublisherTest, HeartbeatStopsWhenTheTrainingLoopStandsStillAndReturnsWithIt) {
-  const auto reader = dds::Reader<dadrl_idl_Heartbeat>::Create(*actor_, kHeartbeatTopic).value();
-  std::atomic<uint64_t> progress{0};
-  std::atomic<bool> standing{false};
-  const auto heartbeat = Heartbeat::Start(
-      *learner_, 5, [&] { return standing ? progress.load() : ++progress; }, 300ms);
-  ASSERT_TRUE(heartbeat);
-  EXPECT_TRUE(Eventually([&] { return reader->alive() == 1; }));
-  uint64_t incarnation = 0;
-  ASSERT_TRUE(reader->Wait(20s));
-  reader->Take(10, [&](const dadrl_idl_Heartbeat& beat) { incarnation = beat.incarnation; });
-  EXPECT_EQ(incarnation, 5u);
-  standing = true;
-  EXPECT_TRUE(Eventually([&] { return reader->alive() == 0; }));
-  standing = false;
-  EXPECT_TRUE(Eventually([&] { return reader->alive() == 1; }));
 }
 
 }  // namespace

@@ -46,13 +46,6 @@ inline const TopicSpec kNewest{.name = "test/newest",
                                .plane = Plane::kControl,
                                .keep_all = false,
                                .transient_local = true};
-inline const TopicSpec kBeat{.name = "test/beat",
-                             .type = &dds_test_Blob_desc,
-                             .plane = Plane::kControl,
-                             .keep_all = false,
-                             .transient_local = true,
-                             .manual_liveliness = true};
-
 using BlobWriter = Writer<dds_test_Blob>;
 using BlobReader = Reader<dds_test_Blob>;
 

@@ -41,7 +41,8 @@ class EvaluationJobTest : public testing::Test {
   }
 
   EvaluationJob MakeJob(const std::string& body, int groups, int episodes, int processes,
-                        const std::string& scenario = "left_turn") {
+                        const std::string& scenario = "left_turn",
+                        std::function<void(const std::string&)> notice = {}) {
     for (int group = 0; group < groups; ++group) {
       for (int i = 0; i < episodes; ++i) {
         EvaluatedEpisode episode;
@@ -58,7 +59,9 @@ class EvaluationJobTest : public testing::Test {
                                       .config = {},
                                       .groups = groups,
                                       .episodes = episodes,
-                                      .processes = processes});
+                                      .processes = processes,
+                                      .hang_limits = {.silent = std::chrono::milliseconds(500)},
+                                      .notice = std::move(notice)});
     EXPECT_TRUE(job);
     return std::move(*job);
   }
@@ -151,6 +154,31 @@ TEST_F(EvaluationJobTest, LosesTheEpisodeThatKillsItsProcessTwiceAndNoOther) {
   EXPECT_EQ(report->episodes[2].summary.seed, 1'000'002u);
   EXPECT_THAT(report->episodes[2].error, HasSubstr("signal 6"));
   EXPECT_EQ(FileText(folder_.path() / "tries"), "1000002\n1000002\n");
+}
+
+TEST_F(EvaluationJobTest, KillsAProcessThatHangsAndDrivesItsEpisodesAgain) {
+  std::vector<std::string> notices;
+  EvaluationJob job = MakeJob(
+      "if [ $seed = 1000001 ] && [ ! -e $folder/hung ]; then : > $folder/hung; kill -STOP $$; fi; "
+      "cat $folder/line-$seed",
+      1, 6, 1, "left_turn", [&](const std::string& text) { notices.push_back(text); });
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->all.episodes, 6);
+  EXPECT_EQ(report->lost, 0);
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_THAT(notices[0], HasSubstr("hangs: it is stopped by a signal; it is killed"));
+}
+
+TEST_F(EvaluationJobTest, LosesTheEpisodeInWhichItHangsTwice) {
+  EvaluationJob job = MakeJob("[ $seed = 1000002 ] && kill -STOP $$; cat $folder/line-$seed", 1, 6, 1);
+  ASSERT_TRUE(RunToEnd(job));
+  const auto report = job.TakeReport();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->all.episodes, 5);
+  ASSERT_EQ(report->lost, 1);
+  EXPECT_THAT(report->episodes[2].error, HasSubstr("hung: it is stopped by a signal"));
 }
 
 TEST_F(EvaluationJobTest, FailsWithTheLogOfAProcessThatDiesTwice) {

@@ -24,8 +24,9 @@ TEST(MachineChecks, LittleDiskWarnsAndNoDiskBreaks) {
 }
 
 TEST(MachineChecks, MemoryAndCoresOnlyWarn) {
-  EXPECT_EQ(CheckMemory(8 * kGiB, 4 * kGiB).state, CheckState::kGood);
-  EXPECT_EQ(CheckMemory(2 * kGiB, 4 * kGiB).state, CheckState::kWarning);
+  EXPECT_EQ(CheckMemory({8 * kGiB}, 4 * kGiB).state, CheckState::kGood);
+  EXPECT_EQ(CheckMemory({2 * kGiB}, 4 * kGiB).state, CheckState::kWarning);
+  EXPECT_THAT(CheckMemory({2 * kGiB, true}, 4 * kGiB).detail, HasSubstr("2.0 GiB available to this cgroup"));
   EXPECT_EQ(CheckCores(2, 2).state, CheckState::kGood);
   EXPECT_EQ(CheckCores(2, 9).state, CheckState::kWarning);
 }

@@ -63,6 +63,14 @@ TEST(RestartPolicy, StartsAnewAfterAStableMinute) {
   EXPECT_LT(DelayOf(policy.OnEnd(TimePoint{} + seconds(100), Crash(61))), 1.0);
 }
 
+TEST(RestartPolicy, WhatHangsBeforeItIsReadyIsGivenUpAlthoughItWasKilled) {
+  Ended hung = Killed(60, false);
+  hung.hung = true;
+  RestartPolicy policy(RestartLimits{}, 1);
+  for (int i = 1; i <= 3; ++i) EXPECT_GT(DelayOf(policy.OnEnd(TimePoint{} + i * seconds(60), hung)), 0.0);
+  EXPECT_TRUE(std::holds_alternative<GiveUp>(policy.OnEnd(TimePoint{} + seconds(240), hung)));
+}
+
 TEST(RestartPolicy, GivesUpAfterManyFailuresInAWindowButNotOverDays) {
   RestartPolicy tight(RestartLimits{}, 1);
   int starts = 0;

@@ -69,6 +69,25 @@ TEST(RunResults, AccumulateOverSessions) {
   EXPECT_THAT(LastEvaluation(file), HasSubstr("150 updates: success 100.0 %"));
 }
 
+TEST(RunResults, SumsUpWhatFaultsTookOverSessions) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "results.json";
+  LostTime lost;
+  lost.Add("replay-0: hangs", std::chrono::seconds(8));
+  {
+    RunResults results = RunResults::Load(file, Config{});
+    results.SetLost(lost);
+    results.SetLost(lost);  // the same session, later
+    ASSERT_TRUE(results.Save());
+  }
+  RunResults results = RunResults::Load(file, Config{});
+  lost.Add("learner: starts again", std::chrono::seconds(2));
+  results.SetLost(lost);
+  ASSERT_TRUE(results.Save());
+  EXPECT_EQ(json::parse(FileText(file))["lost_s"],
+            json({{"learner: starts again", 2.0}, {"replay-0: hangs", 16.0}}));
+}
+
 TEST(RunResults, ReplacesADamagedFileAndKeepsItAside) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "results.json";

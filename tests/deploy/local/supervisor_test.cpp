@@ -17,7 +17,8 @@ using ::testing::IsEmpty;
 class SupervisorTest : public testing::Test {
  protected:
   SupervisorTest()
-      : supervisor_(Limits(), clock_, [this](const std::string& text) { notices_.push_back(text); }) {}
+      : supervisor_(Limits(), HangLimits{}, clock_,
+                    [this](const std::string& text) { notices_.push_back(text); }) {}
 
   static RestartLimits Limits() {
     RestartLimits limits;
@@ -65,7 +66,7 @@ TEST_F(SupervisorTest, RestartsAKilledProcessAndTellsItSo) {
   ASSERT_TRUE(StepUntil([&] { return PidIn(File("pid")) != first && PidIn(File("pid")) > 0; }));
   EXPECT_EQ(supervisor_.Count("actor", ProcessState::kRunning), 1);
   EXPECT_EQ(FileText(File("actor-0.log")), "first\nrestart\n");
-  EXPECT_THAT(notices_, Contains(HasSubstr("actor-0 ended with signal 9")));
+  EXPECT_THAT(notices_, Contains(HasSubstr("actor-0: it ended with signal 9")));
 }
 
 TEST_F(SupervisorTest, StopsOneRoleAndLeavesTheOthers) {
@@ -145,7 +146,8 @@ TEST_F(SupervisorTest, AServiceThatEndsUnaskedIsStartedAgainEvenAfterExitCodeZer
 TEST_F(SupervisorTest, StoppingCancelsAPendingRestart) {
   RestartLimits slow = Limits();
   slow.first_delay = slow.max_delay = std::chrono::hours(1);
-  Supervisor supervisor(slow, clock_, [this](const std::string& text) { notices_.push_back(text); });
+  Supervisor supervisor(slow, HangLimits{}, clock_,
+                        [this](const std::string& text) { notices_.push_back(text); });
   ASSERT_TRUE(supervisor.Start(Script("actor-0", "actor", "exit 1")));
   ASSERT_TRUE(Eventually([&] {
     supervisor.Step();

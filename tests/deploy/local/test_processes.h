@@ -23,11 +23,29 @@ inline std::string FileText(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Gone, or a zombie that its parent has not reaped.
-inline bool IsDead(pid_t pid) {
+// As in /proc: 'S' sleeps, 'T' is stopped, 'Z' is a zombie; 'X' is gone.
+inline char StateOf(pid_t pid) {
   const std::string stat = FileText("/proc/" + std::to_string(pid) + "/stat");
   const size_t state = stat.rfind(") ");
-  return state == std::string::npos || stat[state + 2] == 'Z' || stat[state + 2] == 'X';
+  return state == std::string::npos ? 'X' : stat[state + 2];
+}
+
+// Gone, or a zombie that its parent has not reaped.
+inline bool IsDead(pid_t pid) {
+  const char state = StateOf(pid);
+  return state == 'Z' || state == 'X';
+}
+
+// By a signal.
+inline bool IsStopped(pid_t pid) { return StateOf(pid) == 'T'; }
+
+// The first child of a process; 0 while it has none.
+inline pid_t ChildOf(pid_t pid) {
+  const std::string task = "/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid);
+  std::ifstream children(task + "/children");
+  pid_t child = 0;
+  children >> child;
+  return child;
 }
 
 // The number in a file that a child writes; 0 while there is none.

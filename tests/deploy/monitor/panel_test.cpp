@@ -108,6 +108,21 @@ TEST(Panel, ShowsTheFirstFaultsAndCountsTheOthers) {
                                           "  fault       and 2 more"));
 }
 
+TEST(Panel, SaysWhatIsWrongWithAProcessAndHowOftenItHung) {
+  ClusterSummary summary;
+  ProcessRow& row = summary.processes.emplace_back();
+  row.name = "replay-0";
+  row.stale = true;
+  row.trouble = "starts again: it hung";
+  row.restarts = 3;
+  row.hangs = 2;
+  EXPECT_THAT(RenderProcesses(summary, {5, 200}),
+              testing::ElementsAre(HasSubstr(", starts again: it hung, restarted 3x (2x hung)")));
+  const auto json = MonitorJson(summary, "")["processes"][0];
+  EXPECT_EQ(json["trouble"], "starts again: it hung");
+  EXPECT_EQ(json["hangs"], 2);
+}
+
 TEST(Panel, LeavesOutWhatMattersLeastFirst) {
   std::string text;
   for (const std::string& line : RenderPanel(Sample(), {5, 80})) text += line + "\n";
