@@ -7,6 +7,7 @@
 
 #include "actor/evaluation/evaluation.h"
 #include "actor/sim/scenario.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "common/util/csv.h"
 #include "tests/integration/cluster_under_test.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

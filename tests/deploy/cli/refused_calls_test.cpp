@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/deploy/cli/run_command.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {

@@ -5,6 +5,7 @@
 #include "deploy/local/captured_process.h"
 #include "deploy/local/supervisor.h"
 #include "tests/deploy/local/test_processes.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {
