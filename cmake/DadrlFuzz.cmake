@@ -1,9 +1,11 @@
 # A fuzz target for one decoder (tests/fuzz/README.md):
 #   dadrl_fuzzer(NAME SOURCES ... LINK ...)  fuzz_NAME_test: its seeds and a fixed number of mutants, in every build
 #                                            bin/fuzz_NAME: with DADRL_FUZZ, the libFuzzer executable
+# Target dadrl_fuzzers builds all of the latter (tests/run_fuzzers.sh).
 
 option(DADRL_FUZZ "build the libFuzzer executables (clang)" OFF)
 if(DADRL_FUZZ)
+  add_custom_target(dadrl_fuzzers)
   # Coverage is what guides it: whatever may be under test must report it.
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
@@ -28,5 +30,6 @@ function(dadrl_fuzzer NAME)
   if(DADRL_FUZZ)
     dadrl_executable(fuzz_${NAME} SOURCES ${ARG_SOURCES} LINK dadrl_fuzz_main ${ARG_LINK})
     target_link_options(fuzz_${NAME} PRIVATE -fsanitize=fuzzer)
+    add_dependencies(dadrl_fuzzers fuzz_${NAME})
   endif()
 endfunction()

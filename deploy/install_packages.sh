@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Installs what deploy/packages.txt lists and is not there yet. Quick when nothing is missing.
+# Installs what deploy/packages.txt, and further lists named as arguments, have and is not there yet. Quick when nothing
+# is missing.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
-mapfile -t wanted < <(grep -v '^#' "$here/packages.txt")
+mapfile -t wanted < <(grep -hv '^#' "$here/packages.txt" "$@")
 installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' | sed -n 's/ installed$//p')
 missing=()
 for package in "${wanted[@]}"; do

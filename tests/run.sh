@@ -1,34 +1,84 @@
 #!/usr/bin/env bash
-# On a bare Debian 12: installs the packages, builds, checks the layers and the formatting, runs every test.
+# On a bare Debian 12: installs the packages, checks layers, formatting and scripts, builds, runs every test.
 #
-#   tests/run.sh [--quick] [further options of ctest]     --quick leaves the tests labelled "long" out
+#   tests/run.sh [--quick | --all] [further options of ctest]
 #
-# PRESET=gcc tests/run.sh uses another preset of CMakePresets.json.
+#   --quick  leaves the tests labelled "long" out
+#   --all    then also what .ci/run holds: g++ compiles everything, tests under the sanitizers, fuzzers, clang-tidy
+#
+# PRESET=gcc tests/run.sh uses another preset of CMakePresets.json. With CI=true a skipped test is a failure, unless the
+# machine lacks what it misses (tests/check_skips.py). The last line says how many tests and checks passed and failed.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
+. tests/stages.sh
 preset=${PRESET:-release}
 
+all=false
 ctest_options=()
 for argument in "$@"; do
   case $argument in
     --quick) ctest_options+=(--label-exclude '^long$') ;;
-    --help | -h) sed -n '2,6s/^# \{0,1\}//p' tests/run.sh; exit 0 ;;
+    --all) all=true ;;
+    --help | -h) sed -n '2,10s/^# \{0,1\}//p' tests/run.sh; exit 0 ;;
     *) ctest_options+=("$argument") ;;
   esac
 done
 
-deploy/install_packages.sh
-echo "== layers"
-tests/check_layers.sh
-echo "== formatting"
-# Sources of the working tree; generated ones are elsewhere.
-find common proto replay learner actor deploy tests \( -name '*.h' -o -name '*.cpp' \) -print0 |
-  xargs -0 clang-format --dry-run --Werror
-echo "== scripts"
-shellcheck deploy/*.sh tests/*.sh tests/bench/*.sh .ci/run
-echo "== build ($preset)"
-[ -f "build/$preset/build.ninja" ] || cmake --preset "$preset"
-cmake --build --preset "$preset"
-echo "== tests"
-ctest --preset "$preset" "${ctest_options[@]}"
+packages() { deploy/install_packages.sh tests/packages.txt; }
+
+check_sources() {
+  tests/check_layers.sh
+  # Sources of the working tree; generated ones are elsewhere.
+  find common proto replay learner actor deploy tests \( -name '*.h' -o -name '*.cpp' \) -print0 |
+    xargs -0 clang-format --dry-run --Werror
+  shellcheck --external-sources deploy/*.sh tests/*.sh tests/bench/*.sh .ci/run
+}
+
+# build PRESET [TARGET...]
+build() {
+  [ -f "build/$1/build.ninja" ] || cmake --preset "$1"
+  cmake --build --preset "$1" ${2:+--target "${@:2}"}
+}
+
+# run_tests PRESET [OPTION OF CTEST...]: those of what is built.
+run_tests() {
+  local results=build/$1/tests.xml status=0
+  ctest --preset "$1" --exclude-regex '_NOT_BUILT$' --output-junit "$root/$results" "${@:2}" || status=$?
+  count_tests "$results"
+  if [ "${CI:-}" = true ]; then
+    local kind=()
+    [[ $1 == *san ]] && kind=(--sanitized)
+    tests/check_skips.py "${kind[@]}" "$results"
+  fi
+  return "$status"
+}
+
+# What parses or stores what comes from outside, and the learner.
+address_sanitizer() {
+  cmake --preset asan -DDADRL_FUZZ=ON  # one build for these tests and the fuzzers
+  build asan config_test io_test policy_file_test telemetry_bus_test telemetry_test experience_test evaluation_report_test \
+    replay_table_test chunk_verifier_test chores_test training_test learner_cluster_test algorithms_test model_test \
+    deploy_monitor_test
+  run_tests asan -j "$(nproc)"
+}
+
+# Whatever has threads: the replay's service, the fetcher, the writer, the supervisor and what they are made of.
+thread_sanitizer() {
+  build tsan util_test nn_test dds_test chores_test replay_service_test learner_cluster_test training_test \
+    actor_experience_test deploy_local_test
+  run_tests tsan -j "$(nproc)"
+}
+
+stage "packages" packages
+stage "sources: layers, formatting, scripts" check_sources
+stage "build: $preset" build "$preset"
+if $all; then
+  stage "g++ compiles everything" build gcc-quick
+  stage "address and undefined-behaviour sanitizers" address_sanitizer
+  stage "thread sanitizer" thread_sanitizer
+  stage "fuzzers" tests/run_fuzzers.sh
+  stage "clang-tidy of what changed" tests/tidy_changes.sh
+fi
+stage "tests: $preset" run_tests "$preset" "${ctest_options[@]}"
+summarize

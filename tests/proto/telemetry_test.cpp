@@ -173,7 +173,7 @@ class TelemetryBusTest : public ::testing::Test {
   void SetUp() override {
     cluster_.port = dds::FindFreePort().value();
     auto subscriber = TelemetrySubscriber::Create(TelemetryUrl(cluster_));
-    if (!subscriber) GTEST_SKIP() << subscriber.error().message;
+    if (!subscriber) GTEST_SKIP() << "no multicast here: " << subscriber.error().message;
     subscriber_ = std::move(*subscriber);
   }
 

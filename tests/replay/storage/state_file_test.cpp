@@ -14,7 +14,7 @@ namespace {
 
 TEST(StateFile, ComesBackAsItWasWritten) {
   MemoryFolder folder;
-  ReplayState state{.schema = 5, .up_to = {7, 70}, .limiter = {10, 20, 1.5, 2.5}};
+  ReplayState state{.schema = 5, .up_to = {7, 70}, .limiter = {10, 20, 1.5, 2.5}, .limiter_change = {}};
   state.sequences.Accept({3, 4, 5});
   state.limiter_change = {{.min_size = 1}, {.min_size = 2, .max_samples_per_insert = 3.0}};
   state.items.max_priority = 4.0;
