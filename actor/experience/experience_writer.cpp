@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/util/log.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -169,11 +170,12 @@ void ExperienceWriter::CountRefusals(const dadrl_idl_Acknowledgement& ack) {
   if (ack.refused == before) return;
   const auto fault = static_cast<ChunkFault>(ack.refusal);
   if (fault == ChunkFault::kStale) {
-    return End(Fail(ErrorCode::kExhausted, "replay shard {}: {}", shard_, ack.reason));
+    return End(
+        Fail(ErrorCode::kExhausted, "replay shard {}: {}", shard_, Shown(ack.reason, sizeof(ack.reason))));
   }
   if (refused_ == 0) {
     spdlog::error("replay shard {} refuses chunk {} for good ({}): {}; it is dropped, more are counted",
-                  shard_, ack.refused_sequence, ChunkFaultName(fault), ack.reason);
+                  shard_, ack.refused_sequence, ChunkFaultName(fault), Shown(ack.reason, sizeof(ack.reason)));
   }
   // A shard that was restarted counts anew.
   refused_ += ack.refused > before ? ack.refused - before : ack.refused;

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include "common/util/shown.h"
+
 namespace dadrl {
 namespace {
 
@@ -46,9 +48,10 @@ Result<LeaseHolder::Lease> LeaseHolder::Acquire(const std::function<bool()>& idl
         if (now - *held_since < kPatience) break;
         [[fallthrough]];
       case LeaseVerdict::kLost:
-        return Fail(ErrorCode::kExhausted, "{}", answer->reason);
+        return Fail(ErrorCode::kExhausted, "{}", Shown(answer->reason, sizeof(answer->reason)));
       case LeaseVerdict::kIncompatible:
-        return Fail(ErrorCode::kInvalidArgument, "the replay turns this actor away: {}", answer->reason);
+        return Fail(ErrorCode::kInvalidArgument, "the replay turns this actor away: {}",
+                    Shown(answer->reason, sizeof(answer->reason)));
     }
   }
   return Fail(ErrorCode::kUnavailable, "stopped before the replay gave this actor a number");
@@ -61,7 +64,9 @@ bool LeaseHolder::Step(TimePoint now) {
   if (connected()) Ask(false);
   if (const auto answer = Hear()) {
     const auto verdict = static_cast<LeaseVerdict>(answer->verdict);
-    if (verdict == LeaseVerdict::kLost || verdict == LeaseVerdict::kIncompatible) lost_ = answer->reason;
+    if (verdict == LeaseVerdict::kLost || verdict == LeaseVerdict::kIncompatible) {
+      lost_ = Shown(answer->reason, sizeof(answer->reason));
+    }
   }
   return lost_.empty();
 }

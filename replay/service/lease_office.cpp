@@ -6,6 +6,7 @@
 
 #include "common/util/log.h"
 #include "common/util/random.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -17,7 +18,7 @@ constexpr uint64_t kMaxIncarnation = uint64_t{1} << 63;
 constexpr Duration kLogInterval = std::chrono::seconds(5);
 
 std::string Who(const dadrl_idl_LeaseRequest& message) {
-  return fmt::format("{}, pid {}", message.host, message.pid);
+  return fmt::format("{}, pid {}", Shown(message.host, sizeof(message.host)), message.pid);
 }
 
 uint32_t DrawFirstAny() {
