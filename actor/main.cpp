@@ -8,6 +8,7 @@
 #include "common/config/config_yaml.h"
 #include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
+#include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
 #include "proto/evaluation/seed_range.h"
 
@@ -200,4 +201,7 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace dadrl
 
-int main(int argc, char** argv) { return dadrl::Main(argc, argv); }
+int main(int argc, char** argv) {
+  dadrl::SetUpProcess();
+  return dadrl::Main(argc, argv);
+}

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/io/atomic_file.h"
+#include "common/io/link_file.h"
 #include "common/model/policy_file.h"
 #include "common/util/log.h"
 

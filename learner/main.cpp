@@ -7,6 +7,7 @@
 #include "common/config/validate.h"
 #include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
+#include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
 #include "learner/learner_process.h"
 
@@ -23,6 +24,7 @@ dadrl::Status Learn(const std::filesystem::path& config_file, const std::filesys
 }  // namespace
 
 int main(int argc, char** argv) {
+  dadrl::SetUpProcess();
   CLI::App app("Trains the policy from the replay's experience and broadcasts it to the actors.",
                "dadrl-learner");
   std::filesystem::path config_file;
@@ -45,7 +47,7 @@ int main(int argc, char** argv) {
     spdlog::error("{}", status.error().message);
     return dadrl::ExitCode(status.error());
   } catch (const std::exception& exception) {
-    spdlog::error("unexpected: {}", exception.what());
+    spdlog::error("{}", dadrl::ExceptionText(exception));
     return 1;
   }
 }

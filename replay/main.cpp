@@ -12,6 +12,7 @@
 #include "common/io/incarnation.h"
 #include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
+#include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
 #include "replay/service/replay_service.h"
 #include "replay/tools/tool.h"
@@ -51,6 +52,7 @@ dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService
 }  // namespace
 
 int main(int argc, char** argv) {
+  dadrl::SetUpProcess();
   if (argc > 1 && std::string_view(argv[1]) == "tool") return dadrl::RunTool(argc - 1, argv + 1);
   CLI::App app("Stores the actors' experience and serves batches of it to the learner.", "dadrl-replay");
   std::string config_file;

@@ -98,7 +98,7 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::string_view t
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
 }
 
-Status LinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target) {
+Status SymlinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target) {
   DADRL_ASSIGN_OR_RETURN(const std::filesystem::path temporary, CreateBeside(link, [&](const auto& name) {
                            return ::symlink(target.c_str(), name.c_str());
                          }));

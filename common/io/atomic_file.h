@@ -40,8 +40,8 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::span<const st
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
 // Makes `link` a symbolic link to `target` (relative to the link's folder), replacing an earlier link at
-// once.
-Status LinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target);
+// once. Fails where the file system has none: LinkAtomically (link_file.h) knows what to do then.
+Status SymlinkAtomically(const std::filesystem::path& link, const std::filesystem::path& target);
 
 // Removes the temporary files that killed writers left in `directory`. Only for the one process that writes
 // there: it would take the file from under another writer. Returns how many.

@@ -11,6 +11,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
+#include "common/io/link_file.h"
 #include "common/io/read_file.h"
 
 namespace dadrl {
@@ -90,7 +91,8 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
 }
 
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
-  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxPolicyBytes, Links::kFollow));
+  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
+                         ReadFile(FollowLinks(path), kMaxPolicyBytes, Links::kFollow));
   DADRL_ASSIGN_OR_RETURN(const Content content, CheckedContent(path, bytes));
   ByteReader reader(content.bytes);
   PolicyFile policy;

@@ -10,6 +10,7 @@
 #include "common/config/config_schema.h"
 #include "common/util/environment.h"
 #include "common/util/log.h"
+#include "common/util/process_setup.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/build_info.h"
 
@@ -70,10 +71,11 @@ int Main(int argc, char** argv) {
 }  // namespace dadrl
 
 int main(int argc, char** argv) {
+  dadrl::SetUpProcess();
   try {
     return dadrl::Main(argc, argv);
   } catch (const std::exception& exception) {
-    fmt::print(stderr, "dadrl: {}\n", exception.what());
+    fmt::print(stderr, "dadrl: {}\n", dadrl::ExceptionText(exception));
     return 1;
   }
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/io/atomic_file.h"
+#include "common/io/link_file.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/build_info.h"
 #include "deploy/monitor/bottleneck.h"

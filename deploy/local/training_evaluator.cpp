@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/io/atomic_file.h"
+#include "common/io/link_file.h"
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
 #include "common/util/resources.h"
@@ -47,7 +48,8 @@ Status TrainingEvaluator::StartFinal() {
 
 Status TrainingEvaluator::StartEvaluation(const std::filesystem::path& policy_file, bool final) {
   {
-    DADRL_ASSIGN_OR_RETURN(const auto bytes, ReadFile(policy_file, kMaxPolicyBytes, Links::kFollow));
+    DADRL_ASSIGN_OR_RETURN(const auto bytes,
+                           ReadFile(FollowLinks(policy_file), kMaxPolicyBytes, Links::kFollow));
     DADRL_RETURN_IF_ERROR(WriteFileAtomically(paths_.evaluated_policy(), bytes));
   }
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(paths_.evaluated_policy()));

@@ -8,6 +8,7 @@
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/util/log.h"
+#include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
 #include "deploy/lockstep/lockstep.h"
 
@@ -24,6 +25,7 @@ dadrl::Result<dadrl::LockstepResult> Train(const std::filesystem::path& config_f
 }  // namespace
 
 int main(int argc, char** argv) {
+  dadrl::SetUpProcess();
   CLI::App app("Trains in one process, actor, replay and learner in turns: same seed, same weights.",
                "dadrl-lockstep");
   std::filesystem::path config_file;
@@ -50,7 +52,7 @@ int main(int argc, char** argv) {
     std::puts(line.dump().c_str());
     return 0;
   } catch (const std::exception& exception) {
-    spdlog::error("unexpected: {}", exception.what());
+    spdlog::error("{}", dadrl::ExceptionText(exception));
     return 1;
   }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/io/atomic_file.h"
+#include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
@@ -22,6 +23,19 @@ TEST(VersionReserve, AProcessThatIsKilledNeverUsesAVersionTwice) {
       EXPECT_GE(VersionReserve::Open(folder.path())->highest(), version);
       used = version;
     }
+  }
+}
+
+TEST(VersionReserve, AFullDiskKeepsTheNumbersApart) {
+  TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "64k");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  VersionReserve reserve = VersionReserve::Open(disk.path()).value();
+  ASSERT_TRUE(reserve.Use(1));
+  disk.Fill();
+  for (uint32_t version = 2; version < 100; ++version) {
+    ASSERT_TRUE(reserve.Use(version));
+    ASSERT_GE(VersionReserve::Open(disk.path())->highest(), version) << "a killed learner would use it again";
   }
 }
 

@@ -150,13 +150,13 @@ TEST(AtomicFile, ATemporaryNameThatIsTakenIsNotWrittenTo) {
   EXPECT_EQ(ReadTextFile(folder.path() / "ours", kNoLimit).value(), "ours");
 }
 
-TEST(AtomicFile, LinkFollowsTheNewestTarget) {
+TEST(AtomicFile, SymlinkFollowsTheNewestTarget) {
   TemporaryFolder folder;
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "one", "1"));
   ASSERT_TRUE(WriteFileAtomically(folder.path() / "two", "2"));
-  ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "one"));
+  ASSERT_TRUE(SymlinkAtomically(folder.path() / "latest", "one"));
   EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit, Links::kFollow).value(), "1");
-  ASSERT_TRUE(LinkAtomically(folder.path() / "latest", "two"));
+  ASSERT_TRUE(SymlinkAtomically(folder.path() / "latest", "two"));
   EXPECT_EQ(ReadTextFile(folder.path() / "latest", kNoLimit, Links::kFollow).value(), "2");
   EXPECT_EQ(FilesIn(folder.path()), 3);
 }
