@@ -138,7 +138,7 @@ TEST_F(LearnerProcessTest, TrainsPublishesAndLeavesACheckpointWhenTerminated) {
   const std::string table = ReadTextFile(folder_.path() / "run" / "logs" / "training.csv", kNoLimit).value();
   EXPECT_GE(std::count(table.begin(), table.end(), '\n'), 2);
   EXPECT_FALSE(std::filesystem::is_empty(folder_.path() / "run" / "tensorboard"));
-  EXPECT_EQ(ReadTextFile(incarnation, kNoLimit).value(), "9000000000000000001\n");
+  EXPECT_EQ(std::stoull(ReadTextFile(incarnation, kNoLimit).value()), 9'000'000'000'000'000'001U);
 }
 
 TEST_F(LearnerProcessTest, KilledLearnerGoesOnFromItsCheckpointAndNeverReusesAVersion) {

@@ -129,7 +129,7 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   actor.Terminate();
   EXPECT_EQ(actor.Wait(), 0);
   EXPECT_THAT(Read(Log()), ::testing::Not(HasSubstr("not acknowledged")));
-  EXPECT_EQ(Read(incarnation), "9000000000000000001\n");
+  EXPECT_EQ(std::stoull(Read(incarnation)), 9'000'000'000'000'000'001U);
   const auto chunks = disk_.Copy();
   EXPECT_EQ(chunks.size(), replay.highest_seen());
   for (const auto& chunk : chunks) {

@@ -207,7 +207,11 @@ TEST(AnimatedPicture, HidesACarWhileItIsAway) {
 
 TEST(AnimatedPicture, ACarThatStartsAnewDoesNotFlyThere) {
   Recording recording = test::StraightDrive(10);
-  for (size_t step = 5; step <= 10; ++step) recording.moments[step].world.vehicles[0].pose.position.x = 180;
+  for (size_t step = 5; step <= 10; ++step) {
+    SocialVehicle& car = recording.moments[step].world.vehicles[0];
+    car.pose.position.x = 180;
+    ++car.trip;
+  }
   const Parsed picture(AnimatedPicture(recording, 0, 10, 1));
   const auto visits = picture.All("//g[@class='car' and @data-car='3']");
   ASSERT_THAT(visits, SizeIs(2));

@@ -66,12 +66,12 @@ class BrokenScenario : public testing::Test {
 
 TEST_F(BrokenScenario, AWrongKeyIsNamedWithFileAndLine) {
   Replace("scenario.yaml", "warm_up_s:", "warmup_s:");
-  EXPECT_THAT(Refusal(), AllOf(HasSubstr("mine/scenario.yaml: line 3"), HasSubstr("'warm_up_s'")));
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("mine/scenario.yaml:3: "), HasSubstr("'warm_up_s'")));
 }
 
 TEST_F(BrokenScenario, BrakingThatAbortsSumoIsNamed) {
   Replace("scenario.yaml", "emergencyDecel: 5.0", "emergencyDecel: 4.5");
-  EXPECT_THAT(Refusal(), AllOf(HasSubstr("mine/scenario.yaml: line"), HasSubstr("more than 4.5")));
+  EXPECT_THAT(Refusal(), AllOf(HasSubstr("mine/scenario.yaml:19: "), HasSubstr("more than 4.5")));
 }
 
 TEST_F(BrokenScenario, ATornNetworkIsNamed) {
