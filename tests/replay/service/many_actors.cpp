@@ -1,5 +1,5 @@
 // Several actors in one process, each a DDS participant of its own: joins, sends its chunks, ends when all
-// are acknowledged.
+// are acknowledged, none of them as refused.
 //
 //   many_actors CONFIG FIRST_ID ACTORS CHUNKS
 #include <cstdlib>
@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
         bool all = true;
         for (const auto& actor : actors) {
           actor->Pump();
-          all &= actor->stored() == actor->produced();
+          all &= actor->stored() == actor->produced() && actor->refused() == 0;
         }
         return all;
       },

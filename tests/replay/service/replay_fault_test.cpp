@@ -123,7 +123,7 @@ TEST_F(ReplayFault, TwoHundredActorsJoinAtOnceAndAllTheirChunksAreThereOnce) {
   for (int process = 0; process < kProcesses; ++process) {
     pids.push_back(
         Spawn({std::string(DADRL_BINARY_DIR) + "/tests/many_actors",
-               (folder_.path() / "run" / "config.yaml").string(), std::to_string(1000 + process * kActors),
+               (folder_.path() / "run" / "config.yaml").string(), std::to_string(1 + process * kActors),
                std::to_string(kActors), std::to_string(kChunks)}));
   }
   for (const pid_t pid : pids) {
