@@ -4,7 +4,7 @@
 #   tests/run.sh [--quick | --all] [further options of ctest]
 #
 #   --quick  leaves the tests labelled "long" out
-#   --all    then also what .ci/run holds: g++ compiles everything, tests under the sanitizers, fuzzers, clang-tidy
+#   --all    more than .ci/run: g++ compiles everything too, tests under the sanitizers, fuzzers, clang-tidy
 #
 # PRESET=gcc tests/run.sh uses another preset of CMakePresets.json. With CI=true a skipped test is a failure, unless the
 # machine lacks what it misses (tests/check_skips.py). The last line says how many tests and checks passed and failed.
