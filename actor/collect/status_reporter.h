@@ -26,7 +26,6 @@ class StatusReporter {
     std::function<void()> on_look = {};
   };
 
-
   // Borrows `publisher`.
   StatusReporter(TelemetryPublisher& publisher, const TelemetryConfig& telemetry, int actor,
                  uint64_t incarnation, Source source);

@@ -48,7 +48,8 @@ void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 // The actors of one join, from their start to the exit code.
 class JoinedActors {
  public:
-  JoinedActors(const Config& config, SignalWatcher& signals, std::unique_ptr<RunWatch> watch, EpisodeLog episodes)
+  JoinedActors(const Config& config, SignalWatcher& signals, std::unique_ptr<RunWatch> watch,
+               EpisodeLog episodes)
       : signals_(signals),
         watch_(std::move(watch)),
         episodes_(std::move(episodes)),

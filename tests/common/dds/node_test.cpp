@@ -34,7 +34,8 @@ TEST(DomainXml, ServicesStandAtTheirPlaceAndKnowEachOther) {
       DomainXml(cluster, 2, Role::kLearner, 0, Plane::kBatches, {.address = "127.0.0.1"});
   EXPECT_THAT(learner, HasSubstr("<ParticipantIndex>2</ParticipantIndex>"));
   EXPECT_THAT(learner, Not(HasSubstr(":20134")));
-  const std::string shard = DomainXml(cluster, 2, Role::kReplay, 1, Plane::kExperience, {.address = "127.0.0.1"});
+  const std::string shard =
+      DomainXml(cluster, 2, Role::kReplay, 1, Plane::kExperience, {.address = "127.0.0.1"});
   EXPECT_THAT(shard, HasSubstr("<ParticipantIndex>1</ParticipantIndex>"));
   EXPECT_THAT(shard, HasSubstr("<Peers><Peer Address=\"127.0.0.1:20010\"/></Peers>"))
       << "a learner has no part in it";
@@ -42,8 +43,9 @@ TEST(DomainXml, ServicesStandAtTheirPlaceAndKnowEachOther) {
 
 TEST(DomainXml, FragmentsAreLargeOnLoopbackOnly) {
   ClusterConfig cluster;
-  EXPECT_THAT(DomainXml(cluster, 1, Role::kActor, 0, Plane::kExperience, {.address = "127.0.0.1", .mtu = 65536}),
-              HasSubstr("65000 B"));
+  EXPECT_THAT(
+      DomainXml(cluster, 1, Role::kActor, 0, Plane::kExperience, {.address = "127.0.0.1", .mtu = 65536}),
+      HasSubstr("65000 B"));
   cluster.host = "10.0.0.1";
   const std::string xml =
       DomainXml(cluster, 1, Role::kActor, 0, Plane::kExperience, {.address = "10.0.0.2", .mtu = 1400});

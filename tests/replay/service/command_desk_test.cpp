@@ -70,9 +70,8 @@ class CommandDeskTest : public testing::Test {
   }
   void Serve() {
     desk_->Serve();
-    answers_->Take(64, [this](const dadrl_idl_ReplayAnswer& answer) {
-      answered_[answer.command] = answer.text;
-    });
+    answers_->Take(64,
+                   [this](const dadrl_idl_ReplayAnswer& answer) { answered_[answer.command] = answer.text; });
   }
 
   TemporaryFolder folder_;
