@@ -16,7 +16,8 @@ TEST(HeldUpRun, EndsByItsClockWithExitCodeOneAndSaysWhatItLost) {
   std::vector<std::string> arguments = SmallTraining();
   arguments.insert(arguments.begin(), "left_turn");
   // A minute and a half, in which nothing is taken to hang.
-  arguments.insert(arguments.end(), {"--minutes", "1.5", "--set", "cluster.liveliness_s=60"});
+  arguments.insert(arguments.end(),
+                   {"--minutes", "1.5", "--set", "cluster.liveliness_s=60", "--set", "cluster.lease_s=60"});
   ClusterUnderTest cluster(folder.path() / "run", arguments);
   const auto before = cluster.MonitorUntil([](const json& monitor) { return IsTraining(monitor); }, 40);
   ASSERT_TRUE(before) << cluster.Said();
