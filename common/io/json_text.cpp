@@ -1,6 +1,8 @@
 #include "common/io/json_text.h"
 
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "common/util/shown.h"
 
@@ -9,22 +11,49 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct TooDeep {};
+struct Refused {
+  std::string reason;
+};
+
+// Ends the parsing before what it builds grows too deep or too slow.
+class Limits {
+ public:
+  void Check(int depth, Json::parse_event_t event, const Json& parsed) {
+    const auto level = static_cast<size_t>(depth);
+    const bool object = event == Json::parse_event_t::object_start;
+    if (object || event == Json::parse_event_t::array_start) {
+      // The first level begins at depth 0.
+      if (depth >= kMaxJsonDepth) {
+        throw Refused{fmt::format("is nested deeper than {} levels", kMaxJsonDepth)};
+      }
+      if (object) keys_[level].clear();
+    } else if (event == Json::parse_event_t::key) {
+      // A key is one level deeper than its object.
+      std::set<std::string>& keys = keys_[level - 1];
+      const std::string& key = parsed.get_ref<const std::string&>();
+      if (!keys.insert(key).second) throw Refused{fmt::format("names '{}' twice", Shown(key))};
+      if (keys.size() > kMaxJsonKeys) {
+        throw Refused{fmt::format("has an object of more than {} fields", kMaxJsonKeys)};
+      }
+    }
+  }
+
+ private:
+  std::array<std::set<std::string>, kMaxJsonDepth> keys_;  // of the object begun at each level
+};
 
 }  // namespace
 
 Result<Json> ParseJson(std::string_view text, std::string_view origin) {
-  const auto limit_depth = [](int depth, Json::parse_event_t event, const Json&) {
-    // The first level begins at depth 0.
-    const bool begins =
-        event == Json::parse_event_t::array_start || event == Json::parse_event_t::object_start;
-    if (begins && depth >= kMaxJsonDepth) throw TooDeep();
+  Limits limits;
+  const auto check = [&limits](int depth, Json::parse_event_t event, const Json& parsed) {
+    limits.Check(depth, event, parsed);
     return true;
   };
   try {
-    return Json::parse(text, limit_depth);
-  } catch (const TooDeep&) {
-    return Fail(ErrorCode::kCorrupt, "{} is nested deeper than {} levels", origin, kMaxJsonDepth);
+    return Json::parse(text, check);
+  } catch (const Refused& refused) {
+    return Fail(ErrorCode::kCorrupt, "{} {}", origin, refused.reason);
   } catch (const Json::exception& exception) {
     return Fail(ErrorCode::kCorrupt, "{} is not JSON: {}", origin, Shown(exception.what(), 200));
   }

@@ -1,5 +1,6 @@
 // JSON from outside: what an earlier session, another process or a user left. Read within limits, because
-// nlohmann's copies and dumps recurse as deep as the text does.
+// nlohmann's copies and dumps recurse as deep as the text does, and its ordered objects look for a key among
+// all that they have.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +13,10 @@
 namespace dadrl {
 
 constexpr int kMaxJsonDepth = 16;
+constexpr size_t kMaxJsonKeys = 1000;  // of one object
 
-// kCorrupt, with `origin` in front, when `text` is no JSON, not UTF-8, or nested deeper than kMaxJsonDepth.
-// The caller bounds the length.
+// kCorrupt, with `origin` in front, when `text` is no JSON, not UTF-8, nested deeper than kMaxJsonDepth, or
+// has an object with a key twice or with more than kMaxJsonKeys. The caller bounds the length.
 Result<nlohmann::ordered_json> ParseJson(std::string_view text, std::string_view origin);
 
 // Typed fields of an object that it borrows, never truncated or guessed. After the first that is missing or

@@ -21,6 +21,19 @@ TEST(JsonText, IsReadAsDeepAsTheLimit) {
   }
 }
 
+// Millions of fields would take hours, and of a key that is there twice either may be meant.
+TEST(JsonText, AnObjectHasAThousandFieldsEachOnce) {
+  std::string text;
+  for (size_t i = 0; i < kMaxJsonKeys; ++i) text += fmt::format("{}\"k{}\":{{}}", i == 0 ? "" : ",", i);
+  EXPECT_TRUE(ParseJson("[{" + text + "},{" + text + "}]", "x"));
+  const auto wide = ParseJson("{" + text + ",\"more\":0}", "x");
+  ASSERT_FALSE(wide);
+  EXPECT_EQ(wide.error().message, "x has an object of more than 1000 fields");
+  const auto twice = ParseJson(R"({"b": {"a\n": 1, "b": 0, "a\n": 2}})", "x");
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().message, "x names 'a\\x0a' twice");
+}
+
 TEST(JsonText, WhatIsNoneIsNamedInOneLine) {
   for (const char* text : {"", "{", "[1,]", "nan", "1e999", "\"\xff\"", "{\"a\":\n\n1"}) {
     const auto json = ParseJson(text, "x.json");
