@@ -19,6 +19,11 @@ nlohmann::ordered_json CollisionJson(const CollisionSummary& collision) {
           {"lane_changer", LaneChangerName(collision.lane_changer)}};
 }
 
+// Names and errors may be no UTF-8.
+std::string OneLine(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 // What a measured field may come to: far beyond any, and still a number to compute with.
 constexpr double kLargest = 1e9;
 constexpr uint64_t kMostSteps = 1'000'000'000;
@@ -53,6 +58,12 @@ Result<std::vector<PlannedEpisode>> PlanEpisodes(uint64_t first_seed, int groups
                 first_seed, kFirstEvaluationSeed);
   }
   if (groups < 1) return Fail(ErrorCode::kInvalidArgument, "{} seeds; at least 1 is needed", groups);
+  const uint64_t largest = UINT64_MAX - kSeedGroupStride * static_cast<uint64_t>(groups);
+  if (first_seed > largest) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "first seed {} is above {}: with {} seeds it would wrap around to training traffic",
+                first_seed, largest, groups);
+  }
   if (episodes < 1 || episodes > static_cast<int>(kSeedGroupStride)) {
     return Fail(ErrorCode::kInvalidArgument, "{} episodes a seed; the range is [1, {}]", episodes,
                 kSeedGroupStride);
@@ -83,13 +94,13 @@ std::string EpisodeLine(const EvaluatedEpisode& episode) {
   json["scenario"] = episode.summary.scenario;
   if (episode.lost()) {
     json["error"] = episode.error;
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return OneLine(json);
   }
   json["outcome"] = OutcomeName(episode.summary.outcome);
   json["steps"] = episode.summary.steps;
   for (const SummaryField& field : kSummaryFields) json[field.name] = episode.summary.*field.value;
   if (episode.summary.collision) json["crash"] = CollisionJson(*episode.summary.collision);
-  return json.dump();
+  return OneLine(json);
 }
 
 Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {

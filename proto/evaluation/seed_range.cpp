@@ -26,6 +26,10 @@ Result<SeedRange> ParseSeedRange(const std::string& text) {
     return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' is not FIRST:COUNT with a COUNT of 1 to {}", text,
                 kMostSeeds);
   }
+  if (range.first > UINT64_MAX - static_cast<uint64_t>(range.count)) {
+    return Fail(ErrorCode::kInvalidArgument, "--seeds: '{}' goes beyond the largest seed, {}", text,
+                UINT64_MAX);
+  }
   return range;
 }
 

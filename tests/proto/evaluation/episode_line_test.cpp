@@ -70,6 +70,12 @@ TEST(EpisodeLine, ALostEpisodeKeepsItsErrorWhateverBytesItHas) {
   EXPECT_TRUE(ParseEpisodeLine(EpisodeLine(lost))->lost());
 }
 
+TEST(EpisodeLine, IsWrittenWhateverBytesItsScenarioHas) {
+  EvaluatedEpisode episode = Sample();
+  episode.summary.scenario = "left\xff";
+  EXPECT_TRUE(ParseEpisodeLine(EpisodeLine(episode)));
+}
+
 TEST(EpisodeLine, RefusesWhatIsNotOne) {
   const std::string good = EpisodeLine(Sample());
   for (const std::string& bad :
@@ -106,6 +112,7 @@ TEST(PlanEpisodes, RefusesTrainingSeedsAndOverlappingGroups) {
   EXPECT_FALSE(PlanEpisodes(1'000'000, 0, 1));
   EXPECT_FALSE(PlanEpisodes(1'000'000, 1, 0));
   EXPECT_FALSE(PlanEpisodes(1'000'000, 2, 1001));
+  EXPECT_FALSE(PlanEpisodes(UINT64_MAX - 1500, 2, 1000)) << "the groups would wrap around to 0";
   EXPECT_TRUE(PlanEpisodes(1'000'000, 2, 1000));
 }
 

@@ -13,8 +13,8 @@ TEST(SeedRange, IsReadAsItIsWritten) {
 }
 
 TEST(SeedRange, AnythingElseIsRefused) {
-  for (const char* text :
-       {"", "5", "5:", ":5", "5:0", "5:-1", "-5:1", "5:1000001", "5:5x", " 5:5", "5:5:5"}) {
+  for (const char* text : {"", "5", "5:", ":5", "5:0", "5:-1", "-5:1", "5:1000001", "5:5x", " 5:5", "5:5:5",
+                           "18446744073709551615:2"}) {
     const auto parsed = ParseSeedRange(text);
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument);
