@@ -93,7 +93,11 @@ bool DecodeBody(ByteReader& reader, uint32_t blocks, Checkpoint& checkpoint) {
 // Numbers that a training can have come to.
 bool IsPossible(const Checkpoint& checkpoint) {
   constexpr double kLongest = 1e12;  // s
-  return checkpoint.trained_s >= 0.0 && checkpoint.trained_s <= kLongest &&
+  constexpr uint64_t kMostUpdates = uint64_t{1} << 50;
+  // Times are subtracted from each other.
+  const auto is_time = [](int64_t ns) { return ns >= 0; };
+  return checkpoint.updates <= kMostUpdates && std::ranges::all_of(checkpoint.published_ns, is_time) &&
+         checkpoint.trained_s >= 0.0 && checkpoint.trained_s <= kLongest &&
          checkpoint.weights_version <= kMaxWeightsVersion &&
          std::ranges::all_of(checkpoint.policy, [](float value) { return std::isfinite(value); });
 }
