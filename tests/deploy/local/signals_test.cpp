@@ -87,7 +87,7 @@ TEST(SignalWatcher, PausesWithItsChildrenAndGoesOnWithThem) {
   }
   ASSERT_TRUE(Eventually([&] { return IsStopped(launcher); }));
   const pid_t child = ChildOf(launcher);
-  EXPECT_TRUE(IsStopped(child));
+  ASSERT_TRUE(Eventually([&] { return IsStopped(child); }));
   kill(launcher, SIGCONT);
   int status = 0;
   waitpid(launcher, &status, 0);
