@@ -87,7 +87,7 @@ TEST_F(HangingCluster, CtrlZStopsItAllAndGoingOnLosesNobody) {
   const pid_t launcher = cluster_->launcher().pid();
   kill(-launcher, SIGTSTP);
   ASSERT_TRUE(Eventually([&] { return IsStopped(launcher); })) << cluster_->Said();
-  for (const pid_t pid : pids) EXPECT_TRUE(IsStopped(pid)) << pid;
+  for (const pid_t pid : pids) EXPECT_TRUE(Eventually([&] { return IsStopped(pid); })) << pid;
   const auto stopped = cluster_->Monitor();
   ASSERT_TRUE(stopped);
   EXPECT_THAT((*stopped)["faults"].dump(), HasSubstr("launcher: stopped by a signal"));
