@@ -130,22 +130,55 @@ void ChunkIndex::DropSegmentsBefore(uint64_t segment) {
   while (!segments_.empty() && segments_.front()->segment->id() < segment) DropOldest();
 }
 
+void ChunkIndex::RemoveItems(StoredChunk& chunk) {
+  for (const uint32_t slot : chunk.slots()) {
+    if (StoredChunk::IsItem(slot)) RemoveItem(slot);
+  }
+}
+
+// Its first frames are gone; those pending in later segments may go on.
+void ChunkIndex::Abandon(const StoredSegment& segment) {
+  for (auto& [actor, episode] : episodes_) {
+    if (episode.last != nullptr && episode.last->segment == &segment) episode.last = nullptr;
+    std::erase_if(episode.pending, [&](const Item& item) { return item.chunk->segment == &segment; });
+  }
+}
+
 void ChunkIndex::DropOldest() {
   StoredSegment& oldest = *segments_.front();
-  // An episode that was open in it cannot be continued: its first frames are gone. Those pending in later
-  // segments may go on.
-  for (auto& [actor, episode] : episodes_) {
-    if (episode.last != nullptr && episode.last->segment == &oldest) episode.last = nullptr;
-    std::erase_if(episode.pending, [&](const Item& item) { return item.chunk->segment == &oldest; });
-  }
+  Abandon(oldest);
   for (StoredChunk& chunk : oldest.chunks) {
-    for (const uint32_t slot : chunk.slots()) {
-      if (StoredChunk::IsItem(slot)) RemoveItem(slot);
-    }
-    frames_ -= chunk.actions();
+    RemoveItems(chunk);
+    if (!oldest.damaged) frames_ -= chunk.actions();
   }
   chunk_count_ -= oldest.chunks.size();
   segments_.pop_front();
+}
+
+uint64_t ChunkIndex::DropDamaged() {
+  const uint64_t before = frames_;
+  for (const auto& segment : segments_) {
+    if (segment->damaged || !segment->segment->damaged()) continue;
+    segment->damaged = true;
+    Abandon(*segment);
+    for (const StoredChunk& chunk : segment->chunks) frames_ -= chunk.actions();
+  }
+  if (frames_ == before) return 0;
+  for (const auto& segment : segments_) {
+    for (StoredChunk& chunk : segment->chunks) {
+      if (ReachesDamage(chunk)) RemoveItems(chunk);
+    }
+  }
+  return before - frames_;
+}
+
+bool ChunkIndex::ReachesDamage(const StoredChunk& chunk) const {
+  int left = options_.n_step;
+  for (const StoredChunk* reached = &chunk; reached != nullptr && left > 0; reached = reached->next) {
+    if (reached->segment->damaged) return true;
+    if (reached != &chunk) left -= reached->view.frames();
+  }
+  return false;
 }
 
 bool ChunkIndex::CanDraw(size_t count) const {

@@ -44,6 +44,10 @@ class ChunkIndex {
   // Forgets the chunks of segments with a lower id, and their items.
   void DropSegmentsBefore(uint64_t segment);
 
+  // Forgets the items whose slices reach into damaged segments, each segment once; returns how many frames
+  // these hold. O(chunks) when there is a new one, otherwise O(segments).
+  uint64_t DropDamaged();
+
   // Items that can be drawn.
   size_t items() const { return selector_->size(); }
   // Draws left until every item has been sampled max_times_sampled times; without that limit, as many as you
@@ -110,6 +114,11 @@ class ChunkIndex {
   bool Spend(uint32_t slot);
   bool TooStale(uint32_t policy_version) const;
   void DropOldest();
+  void RemoveItems(StoredChunk& chunk);
+  // Episodes that are open in it cannot be continued.
+  void Abandon(const StoredSegment& segment);
+  // Whether a slice that starts in `chunk` may look into a damaged segment.
+  bool ReachesDamage(const StoredChunk& chunk) const;
   void AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item, DrawnItems& drawn) const;
   void SetImportance(DrawnItems& drawn) const;
   StoredChunk* Find(uint64_t key);

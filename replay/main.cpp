@@ -11,6 +11,8 @@
 #include "common/config/validate.h"
 #include "common/io/incarnation.h"
 #include "common/liveness/stack_dump.h"
+#include "common/liveness/working_thread.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
@@ -71,6 +73,7 @@ int main(int argc, char** argv) {
   dadrl::InitLogging(fmt::format("replay-{}", options.shard));
   dadrl::InstallShutdownHandler();
   dadrl::InstallStackDump();
+  dadrl::ProcessFaults().Follow(dadrl::ReportFault);
   if (const dadrl::Status done = Run(config_file, std::move(options), incarnation); !done) {
     spdlog::error("{}", done.error().message);
     return dadrl::ExitCode(done.error());

@@ -25,7 +25,10 @@ std::optional<std::span<const std::byte>> Payload(const Cursor& at) {
   const uint32_t begin = at.chunk().offset(at.frame);
   const uint32_t end = at.chunk().offset(at.frame + 1);
   if (begin >= end || end > at.chunk().payload_bytes()) return std::nullopt;
-  return at.chunk().payload(at.frame);
+  const std::span<const std::byte> payload = at.chunk().payload(at.frame);
+  // It reads the offsets anew: a failing disk may change them at any time.
+  if (payload.size() != end - begin) return std::nullopt;
+  return payload;
 }
 
 // Fills `item` with up to `n_step` steps; their rewards go to the end of `rewards`. False when the stored
@@ -121,6 +124,13 @@ Result<SampledSequences> AssembleSequences(DrawnItems drawn, int length) {
     if (!AssembleSequence(start, length, sequence)) return Changed(from.key);
   }
   return batch;
+}
+
+Status CheckReadable(const std::vector<std::shared_ptr<const Segment>>& segments) {
+  for (const auto& segment : segments) {
+    if (segment->damaged()) return Fail(ErrorCode::kCorrupt, "cannot read {}", segment->path().string());
+  }
+  return {};
 }
 
 }  // namespace dadrl

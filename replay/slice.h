@@ -49,4 +49,7 @@ struct SampledSequences {
 };
 Result<SampledSequences> AssembleSequences(DrawnItems drawn, int length);
 
+// After everything was read: kCorrupt when something of it could not be (ReplayTable::DropDamaged).
+Status CheckReadable(const std::vector<std::shared_ptr<const Segment>>& segments);
+
 }  // namespace dadrl

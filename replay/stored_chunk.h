@@ -51,6 +51,7 @@ struct ChunkIndex::StoredSegment {
   std::shared_ptr<const Segment> segment;
   std::deque<StoredChunk> chunks;
   uint64_t last_draw = 0;  // the last that holds it
+  bool damaged = false;    // nothing of it is drawn any more, and its frames are not counted
 };
 
 }  // namespace dadrl

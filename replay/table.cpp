@@ -11,6 +11,8 @@ namespace {
 
 // Dropping the oldest segment must not drop most of what is there.
 constexpr int64_t kLeastSegments = 4;
+// Each is a memory mapping, of which Linux allows a process 65,530 (vm.max_map_count).
+constexpr int64_t kMostSegments = 16384;
 
 ChunkIndex::Options IndexOptions(const TableOptions& options) {
   const ReplayConfig& replay = options.replay;
@@ -34,7 +36,8 @@ uint64_t Actions(const ChunkView& chunk) {
 }  // namespace
 
 uint64_t SegmentBytes(const ReplayConfig& replay) {
-  return static_cast<uint64_t>(std::min(replay.segment_bytes, replay.max_disk_bytes / kLeastSegments));
+  return static_cast<uint64_t>(std::clamp(replay.segment_bytes, replay.max_disk_bytes / kMostSegments,
+                                          replay.max_disk_bytes / kLeastSegments));
 }
 
 RateLimiter::Options LimiterOptions(const ReplayConfig& replay) {

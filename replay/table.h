@@ -61,7 +61,8 @@ struct ChunkRefusal {
 // RateLimiter::Options of one shard of a configuration: the band in frames.
 RateLimiter::Options LimiterOptions(const ReplayConfig& replay);
 
-// Of one segment file, so that dropping the oldest never drops most of what is there.
+// Of one segment file: replay.segment_bytes, but so that dropping the oldest never drops most of what is
+// there, and that there are never more segments than a process may map.
 uint64_t SegmentBytes(const ReplayConfig& replay);
 
 // Any thread may call anything. Inserts exclude each other, and saving for the moment in which it looks.
@@ -75,8 +76,9 @@ class ReplayTable {
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
     uint64_t duplicate_chunks = 0;
     std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
-    uint64_t early_chunks = 0;  // dropped because one before them is still to come
-    uint64_t lost_chunks = 0;   // skipped: their actors no longer have them
+    uint64_t early_chunks = 0;    // dropped because one before them is still to come
+    uint64_t damaged_frames = 0;  // stored once, and unreadable since
+    uint64_t lost_chunks = 0;     // skipped: their actors no longer have them
     uint64_t refused_priorities = 0;
     uint64_t sampled = 0;      // transitions, since the run began
     uint64_t frames_held = 0;  // with an action
@@ -148,6 +150,10 @@ class ReplayTable {
 
   // Forces what is stored to the device. Blocks on the disk.
   Status Sync() { return log_->Sync(); }
+  // Lets what cannot be read any more go (a failing disk, a file cut short): it is not drawn, nothing is
+  // added to its segment. kCorrupt, with the file, while a damaged segment is there. Cheap when there is
+  // none.
+  Status DropDamaged();
   // Keeps this process's resident pages of old segments under what replay.max_memory_bytes leaves for them.
   void TrimMemory() const;
 
@@ -169,7 +175,7 @@ class ReplayTable {
   Status Recover();
   // True when the record is a chunk of ours, and now in the index.
   bool RecoverRecord(const std::shared_ptr<const Segment>& segment, std::span<const std::byte> record);
-  Status RestoreState();
+  void RestoreState();
   void RestoreLimiter(const ReplayState& state) DADRL_REQUIRES(mutex_);
   Capture TakeCapture() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);

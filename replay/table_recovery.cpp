@@ -27,10 +27,11 @@ Status ReplayTable::Recover() {
                                    },
                                    recovery));
   if (options_.directory.empty()) return {};
-  DADRL_RETURN_IF_ERROR(RestoreState());
+  RestoreState();
   MutexLock inserting(insert_mutex_);
   while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
-    DADRL_RETURN_IF_ERROR(DropOldestSegment());
+    // Where the state cannot be saved, none may leave: the next insert that begins a segment tries again.
+    if (!DropOldestSegment()) break;
   }
   BoundIndex();
   const Stats now = stats();
@@ -62,13 +63,11 @@ bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
 }
 
 // The state file knows what dropped segments held, up to the place it names; the records know the rest.
-Status ReplayTable::RestoreState() {
+void ReplayTable::RestoreState() {
   Result<ReplayState> found = ReadReplayState(StatePath(), MaxStateBytes(log_->bytes()));
-  if (!found && found.error().code == ErrorCode::kCorrupt) {
+  if (!found && found.error().code != ErrorCode::kNotFound) {
     spdlog::warn("{}: counters and priorities start anew; stored experience is not affected",
                  found.error().message);
-  } else if (!found && found.error().code != ErrorCode::kNotFound) {
-    return tl::unexpected(std::move(found.error()));
   }
   ReplayState state;
   if (found && found->schema == options_.schema) state = std::move(*found);
@@ -82,7 +81,6 @@ Status ReplayTable::RestoreState() {
   end_ = std::max(end_, state.up_to);
   log_->ReserveIds(state.up_to.segment);
   saved_segment_.store(state.up_to.segment);
-  return {};
 }
 
 void ReplayTable::RestoreLimiter(const ReplayState& state) {
@@ -119,6 +117,17 @@ Status ReplayTable::SaveState() {
   Status saved = ForceAndWriteState(capture);
   if (!saved) new_segment_.store(true);
   return saved;
+}
+
+Status ReplayTable::DropDamaged() {
+  const std::shared_ptr<const Segment> damaged = log_->FirstDamaged();
+  if (!damaged) return {};
+  MutexLock inserting(insert_mutex_);
+  MutexLock lock(mutex_);
+  counters_.damaged_frames += index_.DropDamaged();
+  return Fail(ErrorCode::kCorrupt,
+              "cannot read {}: the device reports an error, or the file was cut short; {} frames are lost",
+              damaged->path().string(), counters_.damaged_frames);
 }
 
 Status ReplayTable::SaveStateOfNewSegment() { return new_segment_.load() ? SaveState() : Status(); }

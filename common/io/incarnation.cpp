@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "common/io/number_file.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -29,8 +30,7 @@ uint64_t NextIncarnation(const std::filesystem::path& run_directory, const std::
   std::error_code ignored;  // what matters fails below as well
   std::filesystem::create_directories(file.parent_path(), ignored);
   const uint64_t next = std::max(static_cast<uint64_t>(wall_time_ns), LastIncarnation(file) + 1);
-  const Status kept = WriteNumber(file, next);
-  if (!kept) spdlog::warn("{}", kept.error().message);
+  ProcessFaults().Report(FaultKind::kIncarnation, WriteNumber(file, next));
   return next;
 }
 

@@ -23,6 +23,9 @@ Remedy RemedyFor(int error_number) {
     case EMFILE:
     case ENFILE:
       return {ErrorCode::kExhausted, "raise the limit on open files (ulimit -n)"};
+    case ENOMEM:
+      return {ErrorCode::kExhausted,
+              "raise the limit on memory (ulimit -v) or on mappings (vm.max_map_count)"};
     case ENOENT:
       return {ErrorCode::kNotFound, "check the path"};
     case ENOTDIR:
@@ -35,7 +38,7 @@ Remedy RemedyFor(int error_number) {
     case EISDIR:
       return {ErrorCode::kInternal, "it is a folder, a file is needed"};
     case EIO:
-      return {ErrorCode::kInternal, "the device reports an error: check the disk (dmesg)"};
+      return {ErrorCode::kCorrupt, "the device reports an error: check the disk (dmesg)"};
     default:
       return {ErrorCode::kInternal, "see the system's message"};
   }

@@ -8,8 +8,9 @@
 
 namespace dadrl {
 
-// `operation` is what was tried ("write", "open"), `error_number` the errno it left. Disk or quota full and
-// files beyond the process's limit are kExhausted, a missing file or folder kNotFound, the rest kInternal.
+// `operation` is what was tried ("write", "open"), `error_number` the errno it left. Disk, quota or memory
+// full, too many open files and files beyond the process's limit are kExhausted, a missing file or folder
+// kNotFound, an error of the device kCorrupt, the rest kInternal.
 Error IoError(std::string_view operation, const std::filesystem::path& path, int error_number);
 
 }  // namespace dadrl

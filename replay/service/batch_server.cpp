@@ -8,6 +8,7 @@
 
 #include "common/config/validate.h"
 #include "common/liveness/working_thread.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "proto/sample_batch.h"
 #include "proto/sequence_batch.h"
@@ -225,19 +226,26 @@ std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> mem
       DADRL_ASSIGN_OR_RETURN(const SampledSequences batch,
                              AssembleSequences(std::move(drawn.items), wanted.sequence_length));
       DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SequenceBatchBytes(batch.sequences)));
-      return EncodeSequenceBatch(batch.sequences, wanted.sequence_length, table_.schema());
+      auto encoded = EncodeSequenceBatch(batch.sequences, wanted.sequence_length, table_.schema());
+      DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
+      return encoded;
     }
     DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, AssembleBatch(std::move(drawn.items), wanted.n_step));
     DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SampleBatchBytes(batch.items)));
-    return EncodeSampleBatch(batch.items, table_.schema(), std::move(memory));
+    auto encoded = EncodeSampleBatch(batch.items, table_.schema(), std::move(memory));
+    DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
+    return encoded;
   };
   Result<std::vector<std::byte>> bytes = encode();
   if (bytes) return std::move(*bytes);
   if (bytes.error().code == ErrorCode::kInvalidArgument) {
     Refuse(drawn.request, bytes.error().message);
-  } else {
-    spdlog::error("{}", bytes.error().message);
+    return {};
   }
+  // The learner asks again; what cannot be read is not drawn then.
+  const Status readable = table_.DropDamaged();
+  ProcessFaults().Report(FaultKind::kDamage, readable);
+  if (readable) spdlog::error("{}", bytes.error().message);
   return {};
 }
 

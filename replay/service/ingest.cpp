@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/liveness/working_thread.h"
-#include "common/util/log.h"
+#include "common/util/fault.h"
 
 namespace dadrl {
 namespace {
@@ -84,7 +84,8 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
   if (*inserted == ReplayTable::Insertion::kStored) {
     unsynced_ = true;
     ReportWork(++stored_);
-    if (std::exchange(failing_, false)) spdlog::info("experience can be stored again");
+    // What is promised to be on the device must get there as well.
+    if (replay_.sync != SyncMode::kAlways) OnSuccess();
   }
   const ChunkIdentity identity{message.actor, message.incarnation, message.chunk_sequence};
   const bool refused = *inserted == ReplayTable::Insertion::kRejected;
@@ -98,8 +99,12 @@ void Ingest::OnChunk(const dadrl_idl_ChunkMessage& message) {
 
 void Ingest::OnFailure(const Error& error) {
   retry_at_ = clock_.Now() + kRetryInterval;
-  if (std::exchange(failing_, true)) return;
-  spdlog::error("{}; actors keep their experience until it can be stored, sampling goes on", error.message);
+  failing_ = true;
+  ProcessFaults().Report(FaultKind::kExperience, tl::unexpected(error));
+}
+
+void Ingest::OnSuccess() {
+  if (std::exchange(failing_, false)) ProcessFaults().Report(FaultKind::kExperience, {});
 }
 
 bool Ingest::SyncIfPromised() {
@@ -112,6 +117,7 @@ bool Ingest::SyncIfPromised() {
     return false;
   }
   unsynced_ = false;
+  OnSuccess();
   return true;
 }
 

@@ -47,6 +47,7 @@ class Ingest {
   int TakeChunks();
   void OnChunk(const dadrl_idl_ChunkMessage& message);
   void OnFailure(const Error& error);
+  void OnSuccess();
   // Makes good what `replay.sync` promises before an acknowledgement leaves; false: not possible now.
   bool SyncIfPromised();
   Acknowledger::Grant CurrentGrant();

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/liveness/working_thread.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "replay/storage/snapshot_folder.h"
 
@@ -12,7 +13,7 @@ namespace {
 constexpr Duration kWait = std::chrono::milliseconds(20);
 // What a disk may take for a snapshot before the process is taken to hang.
 constexpr Duration kSlowDisk = std::chrono::minutes(10);
-constexpr Duration kTrimInterval = std::chrono::seconds(1);
+constexpr Duration kTidyInterval = std::chrono::seconds(1);
 constexpr Duration kSnapshotCheckInterval = std::chrono::seconds(10);
 
 }  // namespace
@@ -23,23 +24,24 @@ Keeper::Keeper(const ReplayConfig& replay, uint32_t shard, const std::filesystem
       shard_(shard),
       snapshots_(SnapshotFolder(run_directory, shard)),
       table_(table),
-      chores_(clock) {
+      chores_(clock, ProcessFaults()) {
   if (const Status removed = RemovePartialSnapshots(snapshots_); !removed) {
     spdlog::warn("{}", removed.error().message);
   }
   const TimePoint now = clock.Now();
-  const auto every = [&](Duration interval, std::function<Status()> work) {
-    if (interval > Duration::zero()) chores_.Add(interval, now + interval, std::move(work));
+  const auto every = [&](Duration interval, FaultKind fault, std::function<Status()> work) {
+    if (interval > Duration::zero()) chores_.Add(interval, now + interval, fault, std::move(work));
   };
   if (replay_.sync == SyncMode::kInterval) {
-    every(FromSeconds(replay_.sync_interval_s), [this] { return table_.Sync(); });
+    every(FromSeconds(replay_.sync_interval_s), FaultKind::kSync, [this] { return table_.Sync(); });
   }
-  every(FromSeconds(replay_.state_interval_s), [this] { return table_.SaveState(); });
-  every(kWait, [this] { return table_.SaveStateOfNewSegment(); });
-  every(FromSeconds(replay_.snapshot_interval_s), [this] { return TakeAutomaticSnapshot(); });
-  every(kTrimInterval, [this] { return table_.TrimMemory(), Status(); });
+  every(FromSeconds(replay_.state_interval_s), FaultKind::kState, [this] { return table_.SaveState(); });
+  every(kWait, FaultKind::kState, [this] { return table_.SaveStateOfNewSegment(); });
+  every(FromSeconds(replay_.snapshot_interval_s), FaultKind::kSnapshot,
+        [this] { return TakeAutomaticSnapshot(); });
+  every(kTidyInterval, FaultKind::kDamage, [this] { return table_.TrimMemory(), table_.DropDamaged(); });
   // The first time at once: snapshots outlive the process that took them.
-  chores_.Add(kSnapshotCheckInterval, now, [this] { return CheckSnapshots(); });
+  chores_.Add(kSnapshotCheckInterval, now, FaultKind::kSnapshotSpace, [this] { return CheckSnapshots(); });
 }
 
 void Keeper::Run(const std::atomic<bool>& stop) {
@@ -87,7 +89,7 @@ Status Keeper::CheckSnapshots() {
 }
 
 Status Keeper::TakeAutomaticSnapshot() {
-  DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(AutomaticSnapshotName(WallTimeNs())));
+  DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(NextSnapshotName(snapshots_, WallTimeNs())));
   spdlog::info("{}", said);
   return RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);
 }

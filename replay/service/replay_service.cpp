@@ -9,6 +9,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/io/run_key.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
 #include "replay/service/chunk_verifier.h"
@@ -43,7 +44,8 @@ Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& opti
   service->started_ = clock.Now();
   DADRL_ASSIGN_OR_RETURN(service->table_, ReplayTable::Open(OptionsOf(options), clock));
   // A disk that is full or read-only is found now, not when the first actor waits for its acknowledgement.
-  DADRL_RETURN_IF_ERROR(service->table_->SaveState());
+  // What is stored can be served all the same.
+  ProcessFaults().Report(FaultKind::kState, service->table_->SaveState());
   DADRL_RETURN_IF_ERROR(service->Join());
   return service;
 }

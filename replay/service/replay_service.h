@@ -37,8 +37,9 @@ class ReplayService {
     uint64_t incarnation = 0;
   };
 
-  // Recovers the shard's experience from <run_directory>/replay/shard-K, then joins the cluster. One line
-  // says what is wrong when it cannot: port taken, folder not writable, disk full, other schema.
+  // Recovers the shard's experience from <run_directory>/replay/shard-K, then joins the cluster; where
+  // nothing can be written, to serve what is there. One line says what is wrong when it cannot: port taken,
+  // folder not there and not to be made, other schema.
   static Result<std::unique_ptr<ReplayService>> Create(const Options& options, const Clock& clock);
 
   // Serves until `stop`; then takes what has arrived, forces it to the device and writes its state. Call

@@ -44,11 +44,10 @@ bool WriteAllAt(int fd, std::array<iovec, 3> parts, uint64_t offset) {
 }  // namespace
 
 Segment::Segment(std::filesystem::path path, uint64_t id, FileDescriptor file, Force force)
-    : path_(std::move(path)), id_(id), file_(std::move(file)), force_(std::move(force)) {}
-
-Segment::~Segment() {
-  if (mapping_ != nullptr) munmap(mapping_, capacity_);
-}
+    : path_(std::move(path)),
+      id_(id),
+      file_(std::make_shared<const FileDescriptor>(std::move(file))),
+      force_(std::move(force)) {}
 
 uint64_t Segment::RecordBytes(size_t length) { return kRecordHeader + PaddedRecord(length); }
 uint64_t Segment::HeaderBytes() { return kSegmentHeader; }
@@ -73,7 +72,9 @@ Result<std::shared_ptr<Segment>> Segment::Create(const std::filesystem::path& pa
 
 Result<std::shared_ptr<Segment>> Segment::Open(const std::filesystem::path& path, uint64_t id,
                                                uint64_t schema, Force force) {
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, FileDescriptor::Open(path, O_RDWR));
+  auto opened = FileDescriptor::Open(path, O_RDWR);
+  if (!opened) opened = FileDescriptor::Open(path, O_RDONLY);
+  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, std::move(opened));
   struct stat status {};
   if (fstat(file.get(), &status) != 0) return tl::unexpected(IoError("stat", path, errno));
   const auto size = static_cast<uint64_t>(status.st_size);
@@ -97,16 +98,14 @@ Result<std::shared_ptr<Segment>> Segment::Open(const std::filesystem::path& path
 
 Status Segment::Map(uint64_t length) {
   // Beyond the file's end nothing is ever touched, so the mapping may be longer than the file.
-  void* mapping = mmap(nullptr, length, PROT_READ, MAP_SHARED, file_.get(), 0);
-  if (mapping == MAP_FAILED) return tl::unexpected(IoError("map", path_, errno));
-  mapping_ = static_cast<std::byte*>(mapping);
+  DADRL_ASSIGN_OR_RETURN(mapping_, GuardedMapping::Map(AppendedFile(), length, path_));
   capacity_ = length;
   return {};
 }
 
 Status Segment::WriteHeader(uint64_t schema) {
   std::vector<std::byte> header = EncodeSegmentHeader(id_, schema);
-  if (!WriteAllAt(file_.get(), {iovec{header.data(), header.size()}, {}, {}}, 0)) {
+  if (!WriteAllAt(AppendedFile().get(), {iovec{header.data(), header.size()}, {}, {}}, 0)) {
     return tl::unexpected(IoError("write", path_, errno));
   }
   used_ = kSegmentHeader;
@@ -121,19 +120,19 @@ Result<std::span<const std::byte>> Segment::Append(std::span<const std::byte> co
   const std::array<iovec, 3> parts = {iovec{header.data(), header.size()},
                                       iovec{const_cast<std::byte*>(content.data()), content.size()},
                                       iovec{zeros.data(), PaddedRecord(length) - length}};
-  if (!WriteAllAt(file_.get(), parts, offset)) {
+  if (!WriteAllAt(AppendedFile().get(), parts, offset)) {
     Error error = IoError("write", path_, errno);
     // Half a record would look like damage. Should this fail as well, the next record overwrites it, or
     // recovery drops it.
-    [[maybe_unused]] const int cut = ftruncate(file_.get(), static_cast<off_t>(offset));
+    [[maybe_unused]] const int cut = ftruncate(AppendedFile().get(), static_cast<off_t>(offset));
     return tl::unexpected(std::move(error));
   }
-  const std::span<const std::byte> stored(mapping_ + offset + kRecordHeader, length);
+  const std::span<const std::byte> stored = mapping_.bytes().subspan(offset + kRecordHeader, length);
   used_ = offset + RecordBytes(length);
   return stored;
 }
 
-Result<Segment::Scan> Segment::Recover(const Visitor& visit) {
+Segment::Scan Segment::Recover(const Visitor& visit) {
   Scan scan;
   const auto on_record = [&](uint64_t, std::span<const std::byte> content) {
     ++(visit(content) ? scan.records : scan.rejected_records);
@@ -141,34 +140,60 @@ Result<Segment::Scan> Segment::Recover(const Visitor& visit) {
   const auto on_damage = [&](uint64_t, uint64_t bytes) { scan.dropped_bytes += bytes; };
   const uint64_t size = used_;
   // A file too short for its header is not mapped: all of it is damage.
-  if (mapping_ == nullptr) on_damage(0, size);
+  const bool mapped = !mapping_.bytes().empty();
+  if (!mapped) on_damage(0, size);
   const uint64_t whole_end =
-      mapping_ == nullptr ? 0
-                          : ScanRecords(Prefix(size), id_, {.on_record = on_record, .on_damage = on_damage});
-  if (whole_end < size && ftruncate(file_.get(), static_cast<off_t>(whole_end)) != 0) {
-    return tl::unexpected(IoError("truncate", path_, errno));
+      mapped ? ScanRecords(Prefix(size), id_, {.on_record = on_record, .on_damage = on_damage}) : 0;
+  // A tail that stays where nothing can be written is stepped over by the next start as well. What only
+  // cannot be read now is left alone.
+  scan.unreadable = damaged();
+  if (whole_end < size && !scan.unreadable) {
+    [[maybe_unused]] const int cut = ftruncate(AppendedFile().get(), static_cast<off_t>(whole_end));
   }
+  mapping_.ForgetDamage();
   used_ = whole_end;
   return scan;
+}
+
+void Segment::Seal() {
+  MutexLock lock(file_mutex_);
+  file_.reset();
+}
+
+Result<Segment::SharedFile> Segment::File() const {
+  {
+    MutexLock lock(file_mutex_);
+    if (file_) return file_;
+  }
+  auto again = FileDescriptor::Open(path_, O_RDWR);
+  if (!again) again = FileDescriptor::Open(path_, O_RDONLY);
+  return std::move(again).map(
+      [](FileDescriptor&& file) { return std::make_shared<const FileDescriptor>(std::move(file)); });
 }
 
 Status Segment::Sync() const {
   if (path_.empty()) return {};
   MutexLock lock(sync_mutex_);
-  Status forced = failed_ ? WriteAgain() : Status();
-  if (forced) forced = force_(file_, path_);
+  if (damaged() || unlinked_.load()) return {};
+  const Result<SharedFile> file = File();
+  // Removed meanwhile?
+  if (!file) return unlinked_.load() ? Status() : tl::unexpected(file.error());
+  Status forced = failed_ ? WriteAgain(**file) : Status();
+  if (forced) forced = force_(**file, path_);
   failed_ = !forced;
   return forced;
 }
 
 // What is appended meanwhile lies behind it, and is written for the first time.
-Status Segment::WriteAgain() const {
+Status Segment::WriteAgain(const FileDescriptor& file) const {
   constexpr uint64_t kPiece = uint64_t{1} << 20;
-  const uint64_t end = used_;
+  const std::span<const std::byte> all = Prefix(used_);
   std::vector<std::byte> piece;
-  for (uint64_t offset = 0; offset < end; offset += piece.size()) {
-    piece.assign(mapping_ + offset, mapping_ + std::min(offset + kPiece, end));
-    if (!WriteAllAt(file_.get(), {iovec{piece.data(), piece.size()}, {}, {}}, offset)) {
+  for (uint64_t offset = 0; offset < all.size(); offset += piece.size()) {
+    const auto next = all.subspan(offset, std::min<uint64_t>(kPiece, all.size() - offset));
+    piece.assign(next.begin(), next.end());
+    if (damaged()) return {};  // zeros are no better than what is there
+    if (!WriteAllAt(file.get(), {iovec{piece.data(), piece.size()}, {}, {}}, offset)) {
       return tl::unexpected(IoError("write", path_, errno));
     }
   }
@@ -176,10 +201,12 @@ Status Segment::WriteAgain() const {
 }
 
 void Segment::DropPages() const {
-  if (mapping_ != nullptr && !path_.empty()) madvise(mapping_, capacity_, MADV_DONTNEED);
+  if (path_.empty() || mapping_.bytes().empty()) return;
+  madvise(const_cast<std::byte*>(mapping_.bytes().data()), capacity_, MADV_DONTNEED);
 }
 
-void Segment::Unlink() const {
+void Segment::Unlink() {
+  unlinked_.store(true);
   if (!path_.empty()) unlink(path_.c_str());
 }
 

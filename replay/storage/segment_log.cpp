@@ -51,9 +51,14 @@ Result<std::unique_ptr<SegmentLog>> SegmentLog::Open(const Options& options, con
 
 Status SegmentLog::Lock() {
   const auto path = options_.directory / "lock";
-  DADRL_ASSIGN_OR_RETURN(lock_, FileDescriptor::Open(path, O_RDWR | O_CREAT));
+  auto file = FileDescriptor::Open(path, O_RDWR | O_CREAT);
+  if (!file) file = FileDescriptor::Open(path, O_RDONLY);  // a file system that has become read-only
+  DADRL_ASSIGN_OR_RETURN(lock_, std::move(file));
   if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return {};
-  if (errno != EWOULDBLOCK) return tl::unexpected(IoError("lock", path, errno));
+  if (errno != EWOULDBLOCK) {
+    spdlog::warn("{}; only its ports keep a second replay off", IoError("lock", path, errno).message);
+    return {};
+  }
   return Fail(ErrorCode::kUnavailable,
               "{} is in use by another replay process; stop it or use another run directory",
               options_.directory.string());
@@ -72,29 +77,36 @@ Status SegmentLog::Recover(const Visitor& visit, Recovery& recovery) {
   std::deque<std::shared_ptr<Segment>> segments;
   uint64_t bytes = 0;
   for (const auto& [id, path] : files) {
-    auto opened = Segment::Open(path, id, options_.schema, options_.force);
+    const Result<std::shared_ptr<Segment>> opened = Segment::Open(path, id, options_.schema, options_.force);
+    if (!opened && opened.error().code == ErrorCode::kCorrupt) return tl::unexpected(opened.error());
     if (!opened && opened.error().code == ErrorCode::kInvalidArgument) {
       ++recovery.refused_files;
       next_id_ = id + 1;  // it stands where a segment of this id would
       spdlog::warn("left alone: {}", opened.error().message);
       continue;
     }
-    DADRL_ASSIGN_OR_RETURN(const std::shared_ptr<Segment> segment, std::move(opened));
-    DADRL_ASSIGN_OR_RETURN(const Segment::Scan scan, segment->Recover([&](std::span<const std::byte> record) {
-      return visit(segment, record);
-    }));
+    if (!opened) {
+      ++recovery.unreadable;
+      next_id_ = id + 1;
+      spdlog::warn("{}; this segment is left out", opened.error().message);
+      continue;
+    }
+    const std::shared_ptr<Segment>& segment = *opened;
+    const Segment::Scan scan =
+        segment->Recover([&](std::span<const std::byte> record) { return visit(segment, record); });
+    segment->Seal();
     recovery.dropped_bytes += scan.dropped_bytes;
     recovery.rejected_records += scan.rejected_records;
     if (scan.dropped_bytes > 0 || scan.rejected_records > 0) {
       spdlog::warn("{}: {} records are whole; dropped {} damaged or torn bytes and {} unusable records",
                    path.string(), scan.records, scan.dropped_bytes, scan.rejected_records);
     }
+    recovery.unreadable += scan.unreadable ? 1 : 0;
     // What is whole but refused may be good for another configuration: it leaves as the oldest, not before.
-    if (scan.records == 0 && scan.rejected_records == 0) {
-      segment->Unlink();
-      continue;
-    }
-    next_id_ = id + 1;
+    const bool empty = scan.records == 0 && scan.rejected_records == 0;
+    if (empty && !scan.unreadable) segment->Unlink();
+    if (!empty || std::filesystem::exists(path, error)) next_id_ = id + 1;
+    if (empty) continue;
     ++recovery.segments;
     recovery.records += scan.records;
     recovery.bytes += segment->bytes();
@@ -115,7 +127,10 @@ std::filesystem::path SegmentLog::PathOf(uint64_t id) const {
   return options_.directory / NameOf(id);
 }
 
-bool SegmentLog::NeedsSegment(size_t length) const { return !open_ || !open_->Fits(length); }
+bool SegmentLog::NeedsSegment(size_t length) const {
+  // What is appended to a damaged mapping could not be read back.
+  return !open_ || open_->damaged() || !open_->Fits(length);
+}
 
 uint64_t SegmentLog::NextSegmentBytes(size_t length) const {
   return std::max(options_.segment_bytes, Segment::HeaderBytes() + Segment::RecordBytes(length));
@@ -123,6 +138,7 @@ uint64_t SegmentLog::NextSegmentBytes(size_t length) const {
 
 void SegmentLog::CloseSegment() {
   if (!open_) return;
+  open_->Seal();
   MutexLock lock(mutex_);
   unforced_.push_back(std::move(open_));
   open_.reset();
@@ -179,6 +195,13 @@ size_t SegmentLog::segments() const {
 uint64_t SegmentLog::oldest_id() const {
   MutexLock lock(mutex_);
   return segments_.empty() ? next_id_ : segments_.front()->id();
+}
+
+std::shared_ptr<const Segment> SegmentLog::FirstDamaged() const {
+  MutexLock lock(mutex_);
+  const auto damaged = std::find_if(segments_.begin(), segments_.end(),
+                                    [](const auto& segment) { return segment->damaged(); });
+  return damaged == segments_.end() ? nullptr : *damaged;
 }
 
 uint64_t SegmentLog::bytes() const {

@@ -19,8 +19,8 @@
 
 namespace dadrl {
 
-// One thread appends, rolls and removes; Sync, unforced, DropPagesBeyond and the byte counts are for any
-// thread.
+// One thread appends, rolls and removes; Sync, unforced, FirstDamaged, DropPagesBeyond and the byte counts
+// are for any thread.
 class SegmentLog {
  public:
   struct Options {
@@ -37,6 +37,7 @@ class SegmentLog {
     uint64_t dropped_bytes = 0;     // damaged or torn
     uint64_t rejected_records = 0;  // whole, but the visitor refused them
     uint64_t refused_files = 0;     // named like a segment, and none of ours: a link, a FIFO, far too long
+    uint64_t unreadable = 0;  // segments that the device delivers in part or not at all; they stay there
   };
   using Visitor = std::function<bool(const std::shared_ptr<const Segment>&, std::span<const std::byte>)>;
 
@@ -81,6 +82,9 @@ class SegmentLog {
   void RemoveOldest();
   size_t segments() const;
   uint64_t oldest_id() const;
+
+  // The oldest segment that cannot be read any more; null when there is none.
+  std::shared_ptr<const Segment> FirstDamaged() const;
 
   // Bytes of all segments.
   uint64_t bytes() const;

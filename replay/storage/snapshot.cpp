@@ -25,7 +25,12 @@ Status Add(const SegmentLog::Extent& extent, const fs::path& to, SnapshotReport&
   ++report.segments;
   report.bytes += extent.bytes;
   // Any failure to link - dropped meanwhile, another filesystem, no links there - leaves the copy.
-  if (extent.sealed && link(extent.segment->path().c_str(), to.c_str()) == 0) return extent.segment->Sync();
+  if (extent.sealed && link(extent.segment->path().c_str(), to.c_str()) == 0) {
+    DADRL_RETURN_IF_ERROR(extent.segment->Sync());
+    // By this name too: the segment has nothing to force once it was dropped.
+    DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(to, O_RDONLY));
+    return SyncFile(file, to);
+  }
   report.copied_bytes += extent.bytes;
   return Copy(extent, to);
 }

@@ -79,6 +79,18 @@ std::string AutomaticSnapshotName(int64_t wall_time_ns) {
   return {text.data(), length};
 }
 
+std::string NextSnapshotName(const fs::path& folder, int64_t wall_time_ns) {
+  std::string newest;
+  for (const std::string& name : NamesIn(folder)) {
+    if (IsAutomatic(name)) newest = std::max(newest, name);
+  }
+  std::string next = AutomaticSnapshotName(wall_time_ns);
+  if (next > newest) return next;
+  std::tm utc{};
+  if (strptime(newest.c_str(), "%Y%m%dT%H%M%SZ", &utc) == nullptr) return next;
+  return AutomaticSnapshotName((timegm(&utc) + 1) * 1'000'000'000);
+}
+
 SnapshotUse UseOfSnapshots(const fs::path& folder, const fs::path& shard) {
   SnapshotUse use;
   std::set<ino_t> counted;  // links do not cross file systems, so the number alone tells files apart

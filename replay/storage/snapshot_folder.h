@@ -16,6 +16,9 @@ std::filesystem::path SnapshotFolder(const std::filesystem::path& run_directory,
 Status CheckSnapshotName(const std::string& name);
 // "20260131T235959Z": sorts by time.
 std::string AutomaticSnapshotName(int64_t wall_time_ns);
+// The same for the next snapshot in `folder`, which shall sort behind all automatic ones there also when the
+// clock was set back: otherwise the new one would be taken for the oldest, and leave.
+std::string NextSnapshotName(const std::filesystem::path& folder, int64_t wall_time_ns);
 // What a shard's snapshots cost: files that the shard itself still holds are theirs together, and cost
 // nothing.
 struct SnapshotUse {

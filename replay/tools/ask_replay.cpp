@@ -11,6 +11,7 @@
 #include "common/config/config_yaml.h"
 #include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/io/link_file.h"
 #include "common/io/run_key.h"
 #include "common/util/clock.h"
 #include "common/util/shown.h"
@@ -67,9 +68,9 @@ tl::unexpected<Error> Silence(const std::map<uint32_t, Answer>& heard, const Con
 Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_ReplayCommand command,
                       bool json) {
   Config config;
-  DADRL_RETURN_IF_ERROR(LoadYaml(run_directory / "config.yaml", config));
+  DADRL_RETURN_IF_ERROR(LoadYaml(FollowLinks(run_directory) / "config.yaml", config));
   const auto shards = static_cast<size_t>(config.replay.shards);
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(run_directory));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(FollowLinks(run_directory)));
   DADRL_ASSIGN_OR_RETURN(
       const auto node, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0, key));
   DADRL_ASSIGN_OR_RETURN(const auto answers,

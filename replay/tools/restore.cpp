@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "common/io/link_file.h"
 #include "replay/storage/snapshot_restore.h"
 #include "replay/tools/tool.h"
 
@@ -14,7 +15,7 @@ struct Options {
 };
 
 Result<int> Restore(const Options& options) {
-  const std::filesystem::path run = options.run_directory;
+  const std::filesystem::path run = FollowLinks(options.run_directory);
   DADRL_RETURN_IF_ERROR(RestoreSnapshot(run, options.snapshot));
   fmt::print(stderr, "{} is snapshot {} now; what it was is in {}\n", (run / "replay").string(),
              options.snapshot, ReplacedReplay(run).string());

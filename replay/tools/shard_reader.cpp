@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/io/link_file.h"
 #include "replay/storage/segment_format.h"
 #include "replay/storage/segment_log.h"
 
@@ -38,7 +39,8 @@ std::vector<fs::path> SubFoldersOfShards(const fs::path& directory) {
 
 }  // namespace
 
-Result<ShardReader> ShardReader::Open(const fs::path& directory) {
+Result<ShardReader> ShardReader::Open(const fs::path& named) {
+  const fs::path directory = FollowLinks(named);
   std::error_code error;
   if (!fs::is_directory(directory, error)) {
     return Fail(ErrorCode::kNotFound, "{} is no folder", directory.string());

@@ -213,5 +213,22 @@ TEST_F(SnapshotTest, FailsWholeAndSaysWhy) {
   EXPECT_EQ(table->Insert(Chunk(2)), ReplayTable::Insertion::kStored);
 }
 
+TEST(NextSnapshotName, SortsBehindTheNewestAlsoWhenTheClockWasSetBack) {
+  const TemporaryFolder folder;
+  constexpr int64_t kNoon = 1'780'000'000'000'000'000;
+  constexpr int64_t kYear = int64_t{365} * 24 * 3600 * 1'000'000'000;
+  EXPECT_EQ(NextSnapshotName(folder.path() / "absent", kNoon), AutomaticSnapshotName(kNoon));
+  std::string last;
+  for (const int64_t now : {kNoon, kNoon - kYear, kNoon - kYear, kNoon + kYear, kNoon}) {
+    const std::string name = NextSnapshotName(folder.path(), now);
+    EXPECT_GT(name, last);
+    std::filesystem::create_directories(folder.path() / name);
+    last = name;
+  }
+  std::filesystem::create_directories(folder.path() / "zzz-named-by-hand");
+  ASSERT_TRUE(RemoveOldSnapshots(folder.path(), 1));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / last));
+}
+
 }  // namespace
 }  // namespace dadrl

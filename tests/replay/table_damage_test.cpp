@@ -180,5 +180,98 @@ TEST_F(TableDamage, WhatIsNoFileOfOursIsLeftAlone) {
   EXPECT_EQ(fs::file_size(named(23)), kMaxSegmentBytes + 1);
 }
 
+// Fills segments; chunk `sequence` holds the rewards that its first frame begins with.
+class TableUnderASegmentThatGoesBad : public TableRecovery {
+ protected:
+  void SetUp() override {
+    TableOptions options = Options(folder_.path());
+    options.replay.segment_bytes = 1 << 12;
+    options.replay.max_times_sampled = 0;
+    table_ = Open(options);
+    while (Segments(folder_.path()).size() < 4) Store(*table_, stored_ + 1, stored_ + 1), ++stored_;
+  }
+  // As a disk that fails: what was mapped is not there any more.
+  void CutShort(size_t segment) { std::filesystem::resize_file(Segments(folder_.path()).at(segment), 0); }
+  // Draws until something cannot be read.
+  Status DrawMuch() {
+    for (int i = 0; i < 200; ++i) {
+      DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, table_->Sample(16, 2, 0));
+      for (const SampledItem& item : batch.items) {
+        if (Decode(item.first) != item.rewards[0]) return CheckReadable(batch.segments);
+      }
+      DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
+    }
+    return {};
+  }
+
+  std::unique_ptr<ReplayTable> table_;
+  uint64_t stored_ = 0;
+};
+
+TEST_F(TableUnderASegmentThatGoesBad, ItsFramesAreLostTheProcessIsNot) {
+  ASSERT_TRUE(DrawMuch());
+  ASSERT_TRUE(table_->DropDamaged());
+  const uint64_t before = table_->stats().frames_held;
+  CutShort(1);
+  table_->TrimMemory();
+  EXPECT_FALSE(DrawMuch());
+  const Status damaged = table_->DropDamaged();
+  ASSERT_FALSE(damaged);
+  EXPECT_EQ(damaged.error().code, ErrorCode::kCorrupt);
+  EXPECT_NE(damaged.error().message.find(Segments(folder_.path()).at(1).string()), std::string::npos);
+  const uint64_t lost = table_->stats().damaged_frames;
+  EXPECT_GT(lost, 0u);
+  EXPECT_EQ(table_->stats().frames_held, before - lost);
+  EXPECT_TRUE(DrawMuch()) << "what is left is sound, slices from the segment before included";
+  ASSERT_FALSE(table_->DropDamaged()) << "it is still there";
+  EXPECT_EQ(table_->stats().damaged_frames, lost) << "and is counted once";
+}
+
+TEST_F(TableUnderASegmentThatGoesBad, TheFaultIsOverWhenItsSegmentHasLeft) {
+  CutShort(0);
+  ASSERT_FALSE(DrawMuch());
+  ASSERT_FALSE(table_->DropDamaged());
+  while (std::filesystem::exists(folder_.path() / "segment-000000000001.log")) {
+    Store(*table_, stored_ + 1, stored_ + 1);
+    ++stored_;
+  }
+  EXPECT_TRUE(table_->DropDamaged());
+}
+
+TEST_F(TableUnderASegmentThatGoesBad, NothingIsAddedToTheOpenOneThatGoesBad) {
+  CutShort(3);
+  ASSERT_FALSE(DrawMuch());
+  ASSERT_FALSE(table_->DropDamaged());
+  Store(*table_, stored_ + 1, stored_ + 1);
+  EXPECT_EQ(Segments(folder_.path()).size(), 5u);
+  EXPECT_TRUE(DrawMuch());
+}
+
+TEST_F(TableUnderASegmentThatGoesBad, TheNextStartGoesOnWithTheRest) {
+  CutShort(1);
+  const uint64_t before = table_->stats().frames_held;
+  table_.reset();
+  table_ = Open();
+  EXPECT_LT(table_->stats().frames_held, before);
+  EXPECT_GT(table_->stats().frames_held, before / 2);
+  EXPECT_EQ(table_->Stored(1, 7), stored_);
+}
+
+TEST_F(TableDamage, ASegmentThatCannotBeOpenedIsLeftOutAndStays) {
+  {
+    auto table = Open();
+    Store(*table, 1, 4);
+  }
+  const auto path = Segments(folder_.path()).at(0);
+  const auto alien = folder_.path() / "segment-000000000007.log";
+  std::filesystem::create_directory(alien);  // opening it for writing fails, reading as well
+  auto table = Open();
+  EXPECT_EQ(table->Stored(1, 7), 4u);
+  Store(*table, 5, 5);
+  EXPECT_TRUE(std::filesystem::exists(path));
+  EXPECT_TRUE(std::filesystem::exists(alien));
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "segment-000000000008.log")) << "its number is taken";
+}
+
 }  // namespace
 }  // namespace dadrl

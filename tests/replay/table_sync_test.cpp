@@ -30,7 +30,7 @@ struct TestDisk {
 
 class TableSync : public testing::Test {
  protected:
-  std::unique_ptr<ReplayTable> Open(SyncMode sync = SyncMode::kInterval) {
+  TableOptions Options(SyncMode sync) {
     TableOptions options;
     options.directory = folder_.path();
     options.schema = SchemaHash(kTestSpec);
@@ -40,7 +40,10 @@ class TableSync : public testing::Test {
     options.replay.segment_bytes = 1 << 12;
     options.replay.sync = sync;
     options.force = disk_.Force();
-    return ReplayTable::Open(options, clock_).value();
+    return options;
+  }
+  std::unique_ptr<ReplayTable> Open(SyncMode sync = SyncMode::kInterval) {
+    return ReplayTable::Open(Options(sync), clock_).value();
   }
   static std::vector<std::byte> Chunk(uint64_t sequence) {
     return Build(
@@ -129,6 +132,23 @@ TEST_F(TableSync, WhatCannotBeForcedIsSaidKeptAndForcedLater) {
   const auto table = Open();
   EXPECT_EQ(table->Stored(1, 7), stored_);
   EXPECT_EQ(table->stats().frames_held, stored_ * 5);
+}
+
+TEST_F(TableSync, AStartWithMoreThanItMayHoldAndADiskThatFailsServesWhatIsThere) {
+  {
+    const auto table = Open(SyncMode::kNone);
+    FillSegments(*table, 5);
+  }
+  disk_.broken = true;  // no state can be saved, so no segment may leave
+  TableOptions smaller = Options(SyncMode::kInterval);
+  smaller.replay.max_disk_bytes = 1 << 13;
+  const auto table = ReplayTable::Open(smaller, clock_);
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ((*table)->stats().frames_held, stored_ * 5);
+  EXPECT_FALSE((*table)->Insert(Chunk(stored_ + 1)));
+  disk_.broken = false;
+  EXPECT_EQ((*table)->Insert(Chunk(stored_ + 1)), Insertion::kStored);
+  EXPECT_LT((*table)->stats().frames_held, stored_ * 5);
 }
 
 TEST_F(TableSync, WhatAKilledProcessDidNotForceIsForcedByTheNextOne) {

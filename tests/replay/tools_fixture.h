@@ -23,6 +23,7 @@ class ToolsTest : public testing::Test {
   std::unique_ptr<ReplayTable> OpenTable() {
     TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}, .n_step = 1};
     options.replay.segment_bytes = 1 << 16;
+    options.replay.max_disk_bytes = 1 << 28;  // so that segments may be this small
     return std::move(*ReplayTable::Open(options, clock_));
   }
   // Two actors: one terminates each episode, one is truncated in a chunk of its own; the last episode is

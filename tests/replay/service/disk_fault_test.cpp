@@ -1,6 +1,5 @@
 // What disks do to a replay: full, read-only, damaged files.
 #include <gmock/gmock.h>
-#include <sys/mount.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "tests/common/io/small_disk.h"
 #include "tests/replay/service/fault_fixture.h"
 
 namespace dadrl {
@@ -17,37 +17,14 @@ using testing::HasSubstr;
 
 using DiskFault = ReplayFault;
 
-// A file system of its own, this small. Only root may mount one.
-class TinyDisk {
- public:
-  TinyDisk(const std::filesystem::path& at, const char* size) : at_(at) {
-    std::filesystem::create_directories(at_);
-    mounted_ = mount("tmpfs", at_.c_str(), "tmpfs", 0, fmt::format("size={}", size).c_str()) == 0;
-    error_ = errno;
-  }
-  ~TinyDisk() {
-    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
-  }
-  TinyDisk(const TinyDisk&) = delete;
-  TinyDisk& operator=(const TinyDisk&) = delete;
-  bool mounted() const { return mounted_; }
-  std::string why() const { return std::strerror(error_); }
-  bool MakeReadOnly() { return mount(nullptr, at_.c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr) == 0; }
-
- private:
-  std::filesystem::path at_;
-  bool mounted_ = false;
-  int error_ = 0;
-};
-
 TEST_F(DiskFault, AFullFileSystemIsSaidOnceCostsNothingAndPasses) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root may mount a small file system";
-  const TinyDisk disk(folder_.path() / "run" / "replay", "1m");
+  const SmallDisk disk(folder_.path() / "run" / "replay", "1m");
   ASSERT_TRUE(disk.mounted()) << disk.why();
-  const auto filler = folder_.path() / "run" / "replay" / "filler";
-  std::ofstream(filler) << std::string(900 << 10, 'x');
   Launch();
-  AddChunks(3000);
+  AddChunks(100);
+  ASSERT_TRUE(actor_->PumpUntilStored(100)) << replay_->Log();
+  disk.Fill();
+  AddChunks(2900);
   ASSERT_TRUE(Eventually([&] {
     actor_->Pump();
     return replay_->Log().find("actors keep their experience") != std::string::npos;
@@ -57,33 +34,93 @@ TEST_F(DiskFault, AFullFileSystemIsSaidOnceCostsNothingAndPasses) {
   const uint64_t stored = actor_->stored();
   ASSERT_LT(stored, 3000u);
   EXPECT_FALSE(learner_->Fetch(16).bytes.empty()) << "what is stored can still be sampled";
-  // What was acknowledged survives a death on the full disk.
+
+  // Killed and started again while the disk is as full as before.
   replay_->Kill();
-  std::filesystem::remove(filler);
+  ASSERT_TRUE(learner_->WaitForNoReplay());
+  disk.Fill();
   replay_->Start();
+  ASSERT_TRUE(learner_->WaitForReplay()) << replay_->Log();
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty()) << "what was acknowledged is there\n" << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("a restart would begin with older counters"))
+      << "it says what it cannot";
+  const std::string kept = "actors keep their experience";
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    const std::string log = replay_->Log();
+    return log.find(kept, log.find(kept) + 1) != std::string::npos;
+  })) << replay_->Log();
+  EXPECT_EQ(actor_->stored(), stored) << "nothing is called stored that is not";
+
+  disk.Free();
   ASSERT_TRUE(actor_->PumpUntilStored(stored + 100)) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("experience can be stored again"));
   replay_->Kill();
   const auto chunks = ReadStoredChunks(Shard(), SchemaHash(kTestSpec));
   ASSERT_TRUE(chunks) << chunks.error().message;
   ExpectStoredOnce(*chunks, *actor_, 100);
 }
 
-TEST_F(DiskFault, AReadOnlyFolderIsOneLineAtTheStartAndTouchesNothing) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root may mount a read-only file system";
-  TinyDisk disk(folder_.path() / "run" / "replay", "16m");
+TEST_F(DiskFault, AReadOnlyFileSystemIsServedFromAndSaid) {
+  const SmallDisk disk(folder_.path() / "run" / "replay", "16m");
   ASSERT_TRUE(disk.mounted()) << disk.why();
   Launch();
   AddChunks(20);
   ASSERT_TRUE(actor_->PumpUntilStored(20));
   ASSERT_EQ(replay_->Terminate(), 0) << replay_->Log();
+  ASSERT_TRUE(learner_->WaitForNoReplay());
   ASSERT_TRUE(disk.MakeReadOnly()) << std::strerror(errno);
-  const std::string before = replay_->Log();
   replay_->Start();
-  EXPECT_EQ(replay_->WaitForExit(), 1);
-  const std::string log = replay_->Log().substr(before.size());
-  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
-  EXPECT_THAT(log, HasSubstr("the file system is read-only: choose another folder"));
-  EXPECT_THAT(log, HasSubstr(Shard().string()));
+  ASSERT_TRUE(learner_->WaitForReplay()) << replay_->Log();
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty()) << replay_->Log();
+  AddChunks(5);
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    return replay_->Log().find("actors keep their experience") != std::string::npos;
+  })) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("the file system is read-only: choose another folder"));
+  EXPECT_THAT(replay_->Log(), HasSubstr(Shard().string()));
+  EXPECT_EQ(actor_->stored(), 20u);
+}
+
+TEST_F(DiskFault, SegmentsTakeNoDescriptorsAndAFullTableOfThemIsAFaultThatPasses) {
+  config_.replay.segment_bytes = 1 << 16;
+  Launch();
+  AddChunks(100);
+  ASSERT_TRUE(actor_->PumpUntilStored(100)) << replay_->Log();
+  const uint64_t before = replay_->Descriptors();
+  AddChunks(2000);
+  ASSERT_TRUE(actor_->PumpUntilStored(2100)) << replay_->Log();
+  EXPECT_LE(replay_->Descriptors(), before + 4) << "segments, forced writes and the state at the same time";
+  ASSERT_TRUE(replay_->SetDescriptorLimit(STDERR_FILENO + 1)) << "no number below it is free";
+  AddChunks(1000);
+  ASSERT_TRUE(Eventually([&] {
+    actor_->Pump();
+    return replay_->Log().find("actors keep their experience") != std::string::npos;
+  })) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("raise the limit on open files"));
+  EXPECT_FALSE(learner_->Fetch(16).bytes.empty());
+  ASSERT_TRUE(replay_->SetDescriptorLimit(1024));
+  ASSERT_TRUE(actor_->PumpUntilStored(3100)) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("experience can be stored again"));
+}
+
+TEST_F(DiskFault, ASegmentThatCannotBeReadAnyMoreIsLeftOutAndTheProcessLives) {
+  config_.replay.segment_bytes = 1 << 16;
+  config_.replay.max_times_sampled = 0;
+  Launch();
+  AddChunks(600);
+  ASSERT_TRUE(actor_->PumpUntilStored(600)) << replay_->Log();
+  std::filesystem::resize_file(Shard() / "segment-000000000001.log", 0);
+  ASSERT_TRUE(Eventually([&] {
+    learner_->Disturb(64);
+    return replay_->Log().find("is not drawn any more") != std::string::npos;
+  })) << replay_->Log();
+  EXPECT_THAT(replay_->Log(), HasSubstr("cannot read " + (Shard() / "segment-000000000001.log").string()));
+  AddChunks(20);
+  ASSERT_TRUE(actor_->PumpUntilStored(620)) << replay_->Log();
+  EXPECT_FALSE(learner_->Fetch(64).bytes.empty());
+  EXPECT_EQ(replay_->Terminate(), 0) << replay_->Log();
 }
 
 TEST_F(DiskFault, DamagedFilesCostWhatWasDamagedAndServiceGoesOn) {

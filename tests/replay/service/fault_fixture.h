@@ -10,6 +10,8 @@ namespace dadrl {
 
 class ReplayFault : public ReplayServiceTest {
  protected:
+  ReplayFault() { config_.replay.max_disk_bytes = 1 << 28; }  // so that segments may be as small as tests ask
+
   std::filesystem::path Shard() const { return folder_.path() / "run" / "replay" / "shard-0"; }
 
   // Every chunk that `actor` was told is stored is there once, byte for byte; of the others, none twice.

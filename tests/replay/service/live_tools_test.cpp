@@ -105,7 +105,7 @@ TEST_F(LiveTools, SnapshotsThatHoldMoreThanTheReplayItselfMayAreReportedWithTheR
   const std::string warning = fmt::format(
       "shard 0: 1 snapshots hold {} bytes that the replay has dropped, more than its own "
       "replay.max_disk_bytes of {}; remove those you do not need from {}, or keep fewer automatic ones "
-      "(replay.snapshots_kept, now {})\n",
+      "(replay.snapshots_kept, now {}); the disk may become full\n",
       kBound + 1, kBound, snapshots.string(), config_.replay.snapshots_kept);
   EXPECT_TRUE(Eventually([&] { return replay_->Log().find(warning) != std::string::npos; }))
       << replay_->Log();

@@ -33,8 +33,6 @@ void ReplayProcess::Start(std::optional<uint64_t> file_limit) {
   const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   dup2(file, STDERR_FILENO);
   if (file_limit) {
-    // Without the signal a write beyond the limit fails, as it does on a full disk.
-    signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{*file_limit, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
@@ -46,6 +44,18 @@ void ReplayProcess::Start(std::optional<uint64_t> file_limit) {
 void ReplayProcess::SetFileLimit(uint64_t bytes) {
   const rlimit limit{bytes, RLIM_INFINITY};
   prlimit(pid_, RLIMIT_FSIZE, &limit, nullptr);
+}
+
+bool ReplayProcess::SetDescriptorLimit(uint64_t count) {
+  rlimit limit{};
+  if (prlimit(pid_, RLIMIT_NOFILE, nullptr, &limit) != 0) return false;
+  limit.rlim_cur = count;  // the hard limit stays: not everybody may raise it again
+  return prlimit(pid_, RLIMIT_NOFILE, &limit, nullptr) == 0;
+}
+
+uint64_t ReplayProcess::Descriptors() const {
+  const std::filesystem::directory_iterator open("/proc/" + std::to_string(pid_) + "/fd");
+  return static_cast<uint64_t>(std::distance(open, {}));
 }
 
 void ReplayProcess::Kill() {

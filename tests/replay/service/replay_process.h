@@ -23,6 +23,9 @@ class ReplayProcess {
   // `file_limit`: largest file it may write, bytes; beyond it every write fails as on a full disk.
   void Start(std::optional<uint64_t> file_limit = std::nullopt);
   void SetFileLimit(uint64_t bytes);
+  // Bounds the numbers of descriptors that it opens from now on; false: the system does not let us.
+  bool SetDescriptorLimit(uint64_t count);
+  uint64_t Descriptors() const;
   void Kill();              // -9, and waits
   void Stop();              // SIGSTOP
   void Continue();          // SIGCONT

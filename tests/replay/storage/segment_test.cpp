@@ -37,12 +37,10 @@ Contents Read(const std::filesystem::path& path, uint64_t id = 1) {
   const auto segment = Segment::Open(path, id, kSchema);
   EXPECT_TRUE(segment) << segment.error().message;
   if (!segment) return contents;
-  contents.scan = (*segment)
-                      ->Recover([&](std::span<const std::byte> record) {
-                        contents.records.emplace_back(record.begin(), record.end());
-                        return true;
-                      })
-                      .value();
+  contents.scan = (*segment)->Recover([&](std::span<const std::byte> record) {
+    contents.records.emplace_back(record.begin(), record.end());
+    return true;
+  });
   return contents;
 }
 
@@ -173,6 +171,40 @@ TEST(Segment, ReadersKeepWhatTheyHoldAfterTheFileIsGone) {
   held->DropPages();
   EXPECT_TRUE(std::ranges::equal(stored, record));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "s"));
+}
+
+size_t OpenDescriptors() {
+  return static_cast<size_t>(std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}));
+}
+
+TEST(Segment, HoldsADescriptorOnlyWhileItGrowsAndIsForcedAllTheSame) {
+  MemoryFolder folder;
+  const size_t before = OpenDescriptors();
+  std::vector<std::shared_ptr<Segment>> segments;
+  for (uint64_t id = 1; id <= 50; ++id) {
+    segments.push_back(Segment::Create(folder.path() / fmt::format("{}", id), id, kSchema, 4096).value());
+    ASSERT_TRUE(segments.back()->Append(Record(id)));
+    EXPECT_EQ(OpenDescriptors(), before + 1);
+    segments.back()->Seal();
+    ASSERT_TRUE(segments.back()->Sync());
+  }
+  EXPECT_EQ(OpenDescriptors(), before);
+}
+
+TEST(Segment, OneThatWasRemovedHasNothingToForce) {
+  MemoryFolder folder;
+  const auto segment = Segment::Create(folder.path() / "s", 1, kSchema, 4096).value();
+  segment->Seal();
+  segment->Unlink();
+  EXPECT_TRUE(segment->Sync());
+}
+
+TEST(Segment, ASealedOneThatIsGoneWithoutOurDoingIsNotTakenForForced) {
+  MemoryFolder folder;
+  const auto segment = Segment::Create(folder.path() / "s", 1, kSchema, 4096).value();
+  segment->Seal();
+  std::filesystem::remove(folder.path() / "s");
+  EXPECT_FALSE(segment->Sync());
 }
 
 TEST(SegmentLog, ASecondProcessIsKeptOut) {
