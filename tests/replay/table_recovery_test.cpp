@@ -217,7 +217,9 @@ TEST_F(TableRecovery, AStateFileInTheMiddleOfASegmentCountsNothingTwice) {
     auto table = Open();
     for (uint64_t sequence = 1; sequence <= 6; ++sequence) {
       ASSERT_TRUE(table->Insert(Build(ChunkOf(sequence))));
-      if (sequence == 3) ASSERT_TRUE(table->SaveState());
+      if (sequence == 3) {
+        ASSERT_TRUE(table->SaveState());
+      }
     }
   }
   EXPECT_EQ(Open()->stats().inserted_frames, 30u);
