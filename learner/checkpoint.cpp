@@ -9,7 +9,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
-#include "common/io/read_file.h"
+#include "common/io/file_reader.h"
 #include "learner/version_reserve.h"
 
 namespace dadrl {
@@ -17,30 +17,16 @@ namespace {
 
 constexpr std::string_view kMagic = "DADRLCKP";
 constexpr uint32_t kFormat = 1;
-constexpr uint64_t kMaxFileBytes = uint64_t{16} << 30;
+// No checkpoint is longer: three times what the largest networks that a configuration allows come to.
+constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
 // Magic, format, blocks and file length: readable whatever the rest is.
 constexpr size_t kHeadBytes = 8 + 4 + 4 + 8;
 constexpr std::string_view kRemedy = "remove it and resume from the checkpoint before it";
-
-tl::unexpected<Error> Damaged(const std::filesystem::path& path, std::string_view what) {
-  return Fail(ErrorCode::kCorrupt, "checkpoint {} is damaged ({}): {}", path.string(), what, kRemedy);
-}
 
 template <typename T>
 void PutVector(ByteWriter& writer, const std::vector<T>& values) {
   writer.Put(static_cast<uint64_t>(values.size()));
   writer.PutBytes(std::as_bytes(std::span(values)));
-}
-
-template <typename T>
-std::vector<T> GetVector(ByteReader& reader) {
-  const auto count = reader.Get<uint64_t>();
-  // A count that overflows the product must not look small.
-  const std::span<const std::byte> bytes =
-      reader.GetBytes(count > reader.remaining() ? UINT64_MAX : count * sizeof(T));
-  std::vector<T> values(bytes.size() / sizeof(T));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
 }
 
 // Everything before the blocks' bytes.
@@ -54,10 +40,10 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   writer.Put(checkpoint.updates);
   writer.Put(checkpoint.weights_version);
   writer.Put(checkpoint.trained_s);
-  writer.Put(checkpoint.layout_hash);
+  writer.Put(checkpoint.networks.front().layout_hash);
   writer.PutText(checkpoint.config_yaml);
   PutVector(writer, checkpoint.published_ns);
-  PutVector(writer, checkpoint.policy);
+  PutVector(writer, checkpoint.networks.front().parameters);
   uint64_t block_bytes = 0;
   for (const Checkpoint::Block& block : checkpoint.blocks) {
     writer.PutText(block.name);
@@ -69,25 +55,23 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   return header;
 }
 
-// The body of a file whose checksum holds.
-bool DecodeBody(ByteReader& reader, uint32_t blocks, Checkpoint& checkpoint) {
+// What follows the head.
+void ReadBody(FileReader& reader, uint32_t blocks, Checkpoint& checkpoint) {
   checkpoint.updates = reader.Get<uint64_t>();
   checkpoint.weights_version = reader.Get<uint32_t>();
   checkpoint.trained_s = reader.Get<double>();
-  checkpoint.layout_hash = reader.Get<uint64_t>();
+  const auto layout_hash = reader.Get<uint64_t>();
   checkpoint.config_yaml = reader.GetText();
-  checkpoint.published_ns = GetVector<int64_t>(reader);
-  checkpoint.policy = GetVector<float>(reader);
+  checkpoint.published_ns = reader.GetVector<int64_t>();
+  checkpoint.networks.push_back({std::string(kPolicyNetwork), layout_hash, reader.GetVector<float>()});
   std::vector<uint64_t> lengths;
   for (uint32_t i = 0; i < blocks && reader.ok(); ++i) {
     checkpoint.blocks.push_back({reader.GetText(), {}});
     lengths.push_back(reader.Get<uint64_t>());
   }
   for (size_t i = 0; i < lengths.size() && reader.ok(); ++i) {
-    const std::span<const std::byte> bytes = reader.GetBytes(lengths[i]);
-    checkpoint.blocks[i].bytes.assign(bytes.begin(), bytes.end());
+    checkpoint.blocks[i].bytes = reader.GetVector<std::byte>(lengths[i]);
   }
-  return reader.ok() && reader.remaining() == 0;
 }
 
 // Numbers that a training can have come to.
@@ -99,7 +83,8 @@ bool IsPossible(const Checkpoint& checkpoint) {
   return checkpoint.updates <= kMostUpdates && std::ranges::all_of(checkpoint.published_ns, is_time) &&
          checkpoint.trained_s >= 0.0 && checkpoint.trained_s <= kLongest &&
          checkpoint.weights_version <= kMaxWeightsVersion &&
-         std::ranges::all_of(checkpoint.policy, [](float value) { return std::isfinite(value); });
+         std::ranges::all_of(checkpoint.networks.front().parameters,
+                             [](float value) { return std::isfinite(value); });
 }
 
 bool ShapesNetworks(const std::string& key) {
@@ -115,9 +100,13 @@ void CaptureState(Algorithm& algorithm, Checkpoint& checkpoint) {
     checkpoint.blocks[i].name = state[i].name;
     checkpoint.blocks[i].bytes.assign(state[i].bytes.begin(), state[i].bytes.end());
   }
-  const std::span<const float> policy = algorithm.published_policy();
-  checkpoint.policy.assign(policy.begin(), policy.end());
-  checkpoint.layout_hash = algorithm.layout_hash();
+  const std::vector<NamedNetwork> networks = algorithm.networks();
+  checkpoint.networks.resize(networks.size());
+  for (size_t i = 0; i < networks.size(); ++i) {
+    checkpoint.networks[i].name = networks[i].name;
+    checkpoint.networks[i].layout_hash = networks[i].layout_hash;
+    checkpoint.networks[i].parameters.assign(networks[i].parameters.begin(), networks[i].parameters.end());
+  }
 }
 
 Status RestoreState(const Checkpoint& checkpoint, const std::filesystem::path& path, Algorithm& algorithm) {
@@ -160,13 +149,12 @@ Status SaveCheckpoint(const std::filesystem::path& path, const Checkpoint& check
 }
 
 Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
-  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, ReadFile(path, kMaxFileBytes));
-  ByteReader head(bytes);
-  const std::span<const std::byte> magic = head.GetBytes(kMagic.size());
-  const auto format = head.Get<uint32_t>();
-  const auto blocks = head.Get<uint32_t>();
-  const auto length = head.Get<uint64_t>();
-  if (!head.ok() || std::memcmp(magic.data(), kMagic.data(), kMagic.size()) != 0) {
+  DADRL_ASSIGN_OR_RETURN(FileReader reader, FileReader::Open(path, kMaxFileBytes));
+  const std::vector<char> magic = reader.GetVector<char>(kMagic.size());
+  const auto format = reader.Get<uint32_t>();
+  const auto blocks = reader.Get<uint32_t>();
+  const auto length = reader.Get<uint64_t>();
+  if (!reader.ok() || !std::ranges::equal(magic, kMagic)) {
     return Fail(ErrorCode::kCorrupt, "{} is not a checkpoint: {}", path.string(), kRemedy);
   }
   if (format != kFormat) {
@@ -175,14 +163,17 @@ Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
         "checkpoint {} is of format {}, this program reads format {}: resume with the program that wrote it",
         path.string(), format, kFormat);
   }
-  if (length != bytes.size() || length < kHeadBytes + sizeof(uint64_t)) return Damaged(path, "length");
-  const std::span<const std::byte> content = std::span(bytes).first(bytes.size() - sizeof(uint64_t));
-  if (ByteReader(std::span(bytes).subspan(content.size())).Get<uint64_t>() != Xxh3(content)) {
-    return Damaged(path, "checksum");
+  if (length != reader.file_bytes()) {
+    return Fail(ErrorCode::kCorrupt, "{} is damaged ({} bytes, {} were written): {}", path.string(),
+                reader.file_bytes(), length, kRemedy);
   }
   Checkpoint checkpoint;
-  ByteReader body(content.subspan(kHeadBytes));
-  if (!DecodeBody(body, blocks, checkpoint) || !IsPossible(checkpoint)) return Damaged(path, "contents");
+  ReadBody(reader, blocks, checkpoint);
+  DADRL_RETURN_IF_ERROR(reader.CheckEnd(kRemedy));
+  if (!IsPossible(checkpoint)) {
+    return Fail(ErrorCode::kCorrupt, "{} is damaged (no training comes to its numbers): {}", path.string(),
+                kRemedy);
+  }
   return checkpoint;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/model/policy_file.h"
 #include "common/util/result.h"
 #include "learner/algorithms/algorithm.h"
 
@@ -24,16 +25,15 @@ struct Checkpoint {
   };
 
   uint64_t updates = 0;
-  uint32_t weights_version = 0;       // newest that was broadcast
-  double trained_s = 0.0;             // wall time spent training, all processes of the run together
-  uint64_t layout_hash = 0;           // of `policy`
-  std::string config_yaml;            // ToYaml
-  std::vector<int64_t> published_ns;  // wall times of the newest versions, the last is weights_version's
-  std::vector<float> policy;          // Algorithm::published_policy
-  std::vector<Block> blocks;          // Algorithm::state
+  uint32_t weights_version = 0;         // newest that was broadcast
+  double trained_s = 0.0;               // wall time spent training, all processes of the run together
+  std::string config_yaml;              // ToYaml
+  std::vector<int64_t> published_ns;    // wall times of the newest versions, the last is weights_version's
+  std::vector<StoredNetwork> networks;  // Algorithm::networks; only the first, the policy, of a file
+  std::vector<Block> blocks;            // Algorithm::state
 };
 
-// Copies the algorithm's state and published policy into `checkpoint`, reusing its memory.
+// Copies the algorithm's state and networks into `checkpoint`, reusing its memory.
 void CaptureState(Algorithm& algorithm, Checkpoint& checkpoint);
 
 // Writes the blocks back: the algorithm is then bit for bit what was captured. kCorrupt, and the algorithm
@@ -44,7 +44,7 @@ Status RestoreState(const Checkpoint& checkpoint, const std::filesystem::path& p
 Status SaveCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
 // kNotFound without a file, kCorrupt when damaged or not a checkpoint, kInvalidArgument when of another
-// format.
+// format. Memory is taken only for what a checkpoint's file holds.
 Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path);
 
 // Whether a training with `now` may go on from a checkpoint of `saved`: the keys that shape the networks and

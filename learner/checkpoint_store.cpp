@@ -58,13 +58,6 @@ void RemoveBeyond(int kept, const Files& files) {
   }
 }
 
-// The critics of a checkpoint whose algorithm has such a block.
-std::span<const float> CriticOf(const Checkpoint& checkpoint) {
-  const auto block = std::ranges::find(checkpoint.blocks, kCriticBlock, &Checkpoint::Block::name);
-  if (block == checkpoint.blocks.end()) return {};
-  return {reinterpret_cast<const float*>(block->bytes.data()), block->bytes.size() / sizeof(float)};
-}
-
 void SetAside(const std::filesystem::path& path, const Error& error) {
   std::filesystem::path aside = path;
   aside += ".corrupt";
@@ -94,12 +87,12 @@ Result<CheckpointStore> CheckpointStore::Open(const std::filesystem::path& direc
 
 Status CheckpointStore::Save(const Checkpoint& checkpoint) {
   const std::string policy_name = PolicyName(checkpoint.updates);
-  DADRL_RETURN_IF_ERROR(SavePolicy(directory_ / policy_name, {.layout_hash = checkpoint.layout_hash,
-                                                              .policy_version = checkpoint.weights_version,
-                                                              .updates = checkpoint.updates,
-                                                              .config_yaml = checkpoint.config_yaml,
-                                                              .parameters = checkpoint.policy,
-                                                              .critic = CriticOf(checkpoint)}));
+  PolicyToSave policy{.policy_version = checkpoint.weights_version,
+                      .updates = checkpoint.updates,
+                      .config_yaml = checkpoint.config_yaml,
+                      .networks = {}};
+  for (const StoredNetwork& network : checkpoint.networks) policy.networks.push_back(network.view());
+  DADRL_RETURN_IF_ERROR(SavePolicy(directory_ / policy_name, policy));
   DADRL_RETURN_IF_ERROR(SaveCheckpoint(directory_ / CheckpointName(checkpoint.updates), checkpoint));
   DADRL_RETURN_IF_ERROR(LinkAtomically(directory_ / "latest", policy_name));
   Prune(checkpoint.updates);

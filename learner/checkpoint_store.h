@@ -1,8 +1,8 @@
 // The checkpoints folder of a run: what is written there, what is kept, and which one a resumed run takes.
 //
 //   checkpoint-<updates>.ckpt  everything a resumed training needs
-//   policy-<updates>.dadrl     the policy of that checkpoint, and its critics; small, so that more of them
-//   can stay latest                     link to the newest policy
+//   policy-<updates>.dadrl     its networks; small, so that more of them can stay
+//   latest                     link to the newest policy
 //   *.ckpt.corrupt             damaged checkpoints that a resume has set aside
 #pragma once
 

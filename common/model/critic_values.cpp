@@ -55,6 +55,8 @@ CriticValues::CriticValues(const ObservationSpec& spec, const ModelConfig& model
     : impl_(std::make_unique<Impl>(spec, model)) {}
 CriticValues::~CriticValues() = default;
 
+const nn::ParamLayout& CriticValues::layout() const { return impl_->network.layout; }
+
 Status CriticValues::Load(std::span<const float> parameters) {
   const nn::ParamLayout& layout = impl_->network.layout;
   if (parameters.size() != layout.size()) {

@@ -6,6 +6,7 @@
 
 #include "common/config/config.h"
 #include "common/model/observation.h"
+#include "common/nn/param_layout.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -16,7 +17,9 @@ class CriticValues {
   CriticValues(const ObservationSpec& spec, const ModelConfig& model);
   ~CriticValues();
 
-  // Copies the parameters (CriticNetwork::layout). kInvalidArgument when the length is wrong, kCorrupt when
+  const nn::ParamLayout& layout() const;
+
+  // Copies the parameters. kInvalidArgument when the length is wrong, kCorrupt when
   // one is not finite.
   Status Load(std::span<const float> parameters);
 

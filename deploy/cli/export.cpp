@@ -18,7 +18,8 @@ Result<int> RunExport(const ExportOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(file));
   DADRL_RETURN_IF_ERROR(ExportPolicy(policy, options.policy, options.out));
   fmt::print("{}/index.json: {}\n", options.out,
-             policy.critic.empty() ? "the policy (the file holds no critics)" : "the policy and its critics");
+             policy.Find(kCriticNetwork) == nullptr ? "the policy (the file holds no critics)"
+                                                    : "the policy and its critics");
   return 0;
 }
 

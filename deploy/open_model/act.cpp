@@ -31,8 +31,8 @@ Result<ActReport> ActOn(const ObservationBatch& observations, const PolicyFile& 
                         const std::filesystem::path& path) {
   const ObservationSpec spec = ObservationSpec::From(policy.config.observation);
   ActingPolicy acting(spec, policy.config.model);
-  DADRL_RETURN_IF_ERROR(CheckLayout(policy, path, acting.layout_hash(), acting.parameter_count()));
-  if (const Status loaded = acting.Load(policy.parameters); !loaded) return Named(path, loaded);
+  DADRL_RETURN_IF_ERROR(CheckLayout(policy.policy(), path, acting.layout_hash(), acting.parameter_count()));
+  if (const Status loaded = acting.Load(policy.policy().parameters); !loaded) return Named(path, loaded);
   ActReport report;
   Observation observation(spec);
   std::vector<float> actions;
@@ -44,9 +44,11 @@ Result<ActReport> ActOn(const ObservationBatch& observations, const PolicyFile& 
     report.attention.push_back(acting.last().attention);
     actions.insert(actions.end(), report.action.back().begin(), report.action.back().end());
   }
-  if (policy.critic.empty()) return report;
+  const StoredNetwork* critic = policy.Find(kCriticNetwork);
+  if (critic == nullptr) return report;
   CriticValues critics(spec, policy.config.model);
-  if (const Status loaded = critics.Load(policy.critic); !loaded) return Named(path, loaded);
+  DADRL_RETURN_IF_ERROR(CheckLayout(*critic, path, critics.layout().hash(), critics.layout().size()));
+  if (const Status loaded = critics.Load(critic->parameters); !loaded) return Named(path, loaded);
   report.q1.resize(report.action.size());
   report.q2.resize(report.action.size());
   critics.Evaluate(observations, actions, report.q1, report.q2);

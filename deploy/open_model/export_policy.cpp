@@ -72,18 +72,19 @@ Status ExportPolicy(const PolicyFile& policy, const std::filesystem::path& sourc
   const PolicyNetwork policy_network(spec, policy.config.model);
   const CriticNetwork critic_network(spec, policy.config.model);
   DADRL_RETURN_IF_ERROR(
-      CheckLayout(policy, source, policy_network.layout.hash(), policy_network.layout.size()));
-  if (!policy.critic.empty() && policy.critic.size() != critic_network.layout.size()) {
-    return Fail(ErrorCode::kInvalidArgument, "{} holds critics of {} parameters, its configuration's have {}",
-                source.string(), policy.critic.size(), critic_network.layout.size());
+      CheckLayout(policy.policy(), source, policy_network.layout.hash(), policy_network.layout.size()));
+  const StoredNetwork* critic = policy.Find(kCriticNetwork);
+  if (critic != nullptr) {
+    DADRL_RETURN_IF_ERROR(
+        CheckLayout(*critic, source, critic_network.layout.hash(), critic_network.layout.size()));
   }
   DADRL_RETURN_IF_ERROR(MakeEmptyFolder(directory));
   Json index = Index(policy, source);
-  DADRL_ASSIGN_OR_RETURN(index["networks"]["policy"],
-                         ExportNetwork("policy", policy_network.layout, policy.parameters, directory));
-  if (!policy.critic.empty()) {
+  DADRL_ASSIGN_OR_RETURN(index["networks"]["policy"], ExportNetwork("policy", policy_network.layout,
+                                                                    policy.policy().parameters, directory));
+  if (critic != nullptr) {
     DADRL_ASSIGN_OR_RETURN(index["networks"]["critic"],
-                           ExportNetwork("critic", critic_network.layout, policy.critic, directory));
+                           ExportNetwork("critic", critic_network.layout, critic->parameters, directory));
   }
   const std::string config = ToYaml(policy.config, false);
   DADRL_RETURN_IF_ERROR(WriteFileAtomically(directory / "config.yaml", std::string_view(config)));

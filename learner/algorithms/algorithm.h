@@ -5,10 +5,10 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/model/named_network.h"
 #include "common/model/observation.h"
 #include "common/model/transition_batch.h"
 #include "common/util/result.h"
@@ -25,10 +25,6 @@ struct UpdateStats {
   double mean_q = 0.0;
   double mean_target = 0.0;
 };
-
-// The state block with the critics' parameters, flat (CriticNetwork::layout), where an algorithm has critics:
-// policy files carry it too.
-constexpr std::string_view kCriticBlock = "critic";
 
 // A named span of the algorithm's state, saved and restored as raw bytes by the checkpoint.
 struct StateBlock {
@@ -51,6 +47,9 @@ class Algorithm {
   // Update.
   virtual std::span<const float> published_policy() const = 0;
   virtual uint64_t layout_hash() const = 0;
+  // What policy files carry, valid until Update: the published policy as kPolicyNetwork first, and whatever
+  // else there is to show of what was learnt.
+  virtual std::vector<NamedNetwork> networks() const = 0;
 
   // Everything that a resumed training needs, in a fixed order: parameters, targets, optimiser moments,
   // temperature, counters, random state. Writing the bytes back restores it exactly.

@@ -72,10 +72,15 @@ std::span<const float> Sac::published_policy() const {
                                                                : policy_parameters_.span();
 }
 
+std::vector<NamedNetwork> Sac::networks() const {
+  return {{kPolicyNetwork, policy_.layout.hash(), published_policy()},
+          {kCriticNetwork, critic_.layout.hash(), critic_parameters_.span()}};
+}
+
 std::vector<StateBlock> Sac::state() {
   return {{"policy", policy_parameters_.bytes()},
           {"policy_average", average_parameters_.bytes()},
-          {std::string(kCriticBlock), critic_parameters_.bytes()},
+          {"critic", critic_parameters_.bytes()},
           {"target", target_parameters_.bytes()},
           {"policy.adam_first", policy_moments_.first.bytes()},
           {"policy.adam_second", policy_moments_.second.bytes()},

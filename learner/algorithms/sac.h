@@ -35,6 +35,7 @@ class Sac final : public Algorithm {
   std::span<const float> td_error() const override { return {td_error_.data(), td_error_count_}; }
   std::span<const float> published_policy() const override;
   uint64_t layout_hash() const override { return policy_.layout.hash(); }
+  std::vector<NamedNetwork> networks() const override;
   std::vector<StateBlock> state() override;
 
   const PolicyNetwork& policy() const { return policy_; }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "common/config/config_yaml.h"
 #include "common/io/checksum.h"
@@ -42,10 +43,12 @@ TEST_F(CheckpointTest, ReadsBackEverything) {
   EXPECT_EQ(loaded->updates, 12u);
   EXPECT_EQ(loaded->weights_version, 5u);
   EXPECT_EQ(loaded->trained_s, 61.5);
-  EXPECT_EQ(loaded->layout_hash, algorithm_.layout_hash());
+  ASSERT_EQ(loaded->networks.size(), 1u);
+  EXPECT_EQ(loaded->networks[0].name, kPolicyNetwork);
+  EXPECT_EQ(loaded->networks[0].layout_hash, algorithm_.layout_hash());
   EXPECT_EQ(loaded->config_yaml, ToYaml(config_, false));
   EXPECT_THAT(loaded->published_ns, testing::ElementsAre(100, 200, 300));
-  EXPECT_THAT(loaded->policy, testing::ElementsAreArray(algorithm_.published_policy()));
+  EXPECT_THAT(loaded->networks[0].parameters, testing::ElementsAreArray(algorithm_.published_policy()));
   FakeAlgorithm other(200, 99);
   ASSERT_TRUE(RestoreState(*loaded, path_, other));
   EXPECT_EQ(StateOf(other), StateOf(algorithm_));
@@ -87,7 +90,20 @@ TEST_F(CheckpointTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
   WritePlainly(path_, bytes);
-  EXPECT_THAT(LoadCheckpoint(path_).error().message, HasSubstr("contents"));
+  EXPECT_THAT(LoadCheckpoint(path_).error().message, HasSubstr("lengths"));
+}
+
+TEST_F(CheckpointTest, LongFileIsRefusedByItsHead) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  std::filesystem::resize_file(path_, uint64_t{4} << 30);
+  rusage before{};
+  rusage after{};
+  getrusage(RUSAGE_SELF, &before);
+  EXPECT_EQ(LoadCheckpoint(path_).error().code, ErrorCode::kCorrupt);
+  std::filesystem::resize_file(path_, (uint64_t{4} << 30) + 1);
+  EXPECT_EQ(LoadCheckpoint(path_).error().code, ErrorCode::kExhausted);
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 << 10) << "KiB";
 }
 
 TEST_F(CheckpointTest, AnotherFormatIsRefusedWithBothNumbers) {

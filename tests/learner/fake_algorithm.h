@@ -39,6 +39,7 @@ class FakeAlgorithm final : public Algorithm {
   std::span<const float> td_error() const override { return td_error_; }
   std::span<const float> published_policy() const override { return policy_; }
   uint64_t layout_hash() const override { return 0xfa4e; }
+  std::vector<NamedNetwork> networks() const override { return {{kPolicyNetwork, layout_hash(), policy_}}; }
   std::vector<StateBlock> state() override {
     return {{"policy", std::as_writable_bytes(std::span(policy_))},
             {"moment", std::as_writable_bytes(std::span(moment_))},

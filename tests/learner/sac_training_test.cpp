@@ -77,13 +77,15 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   ASSERT_TRUE(policy) << policy.error().message;
   const ObservationSpec spec = ObservationSpec::From(policy->config.observation);
   ActingPolicy acting(spec, policy->config.model);
-  ASSERT_TRUE(CheckLayout(*policy, path, acting.layout_hash(), acting.parameter_count()));
-  ASSERT_TRUE(acting.Load(policy->parameters));
+  ASSERT_TRUE(CheckLayout(policy->policy(), path, acting.layout_hash(), acting.parameter_count()));
+  ASSERT_TRUE(acting.Load(policy->policy().parameters));
   const Action action = acting.Act(Observation(spec), nullptr);
   EXPECT_LT(std::abs(action[0]), 1.0f);
-  CriticValues critics(spec, policy->config.model);
-  ASSERT_TRUE(critics.Load(policy->critic));
-  EXPECT_THAT(policy->critic, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
+  const StoredNetwork* critic = policy->Find(kCriticNetwork);
+  ASSERT_NE(critic, nullptr);
+  const nn::ParamLayout layout = CriticNetwork(spec, policy->config.model).layout;
+  ASSERT_TRUE(CheckLayout(*critic, path, layout.hash(), layout.size()));
+  EXPECT_THAT(critic->parameters, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Encoders, SacTrainingTest,

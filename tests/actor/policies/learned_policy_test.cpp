@@ -31,7 +31,8 @@ class LearnedPolicyTest : public testing::Test {
     std::vector<float> parameters(policy.parameter_count());
     Random random(1);
     for (float& parameter : parameters) parameter = static_cast<float>(random.Uniform(-0.1, 0.1));
-    const PolicyToSave saved{policy.layout_hash(), 3, 100, ToYaml(trained_, false), parameters};
+    const PolicyToSave saved{
+        3, 100, ToYaml(trained_, false), {{kPolicyNetwork, policy.layout_hash(), parameters}}};
     EXPECT_TRUE(SavePolicy(path_, saved));
     return parameters;
   }

@@ -164,7 +164,8 @@ TEST_F(RenderCommandTest, APolicyOfAnotherLayoutIsRefused) {
   const std::vector<float> parameters(policy.parameter_count());
   options_.policy = (folder_ / "other.policy").string();
   ASSERT_TRUE(
-      SavePolicy(options_.policy, {policy.layout_hash() + 1, 1, 1, ToYaml(trained, false), parameters, {}}));
+      SavePolicy(options_.policy,
+                 {1, 1, ToYaml(trained, false), {{kPolicyNetwork, policy.layout_hash() + 1, parameters}}}));
   Out("episode.png");
   const Status status = Run();
   ASSERT_FALSE(status);
@@ -180,7 +181,8 @@ TEST_F(RenderCommandTest, ALearnedPolicyBringsItsOwnObservation) {
   const std::vector<float> parameters(policy.parameter_count(), 0.01f);
   options_.policy = (folder_ / "three.policy").string();
   ASSERT_TRUE(
-      SavePolicy(options_.policy, {policy.layout_hash(), 1, 500, ToYaml(trained, false), parameters, {}}));
+      SavePolicy(options_.policy,
+                 {1, 500, ToYaml(trained, false), {{kPolicyNetwork, policy.layout_hash(), parameters}}}));
   Out("frames/");
   options_.every = 100;
   ASSERT_TRUE(Run());

@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "common/config/config_yaml.h"
+#include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "tests/common/io/temporary_folder.h"
@@ -19,12 +22,28 @@ using testing::HasSubstr;
 class PolicyFileTest : public testing::Test {
  protected:
   PolicyToSave Policy() {
-    return {.layout_hash = 0x1234,
-            .policy_version = 7,
+    return {.policy_version = 7,
             .updates = 900,
             .config_yaml = ToYaml(config_, false),
-            .parameters = parameters_,
-            .critic = critic_};
+            .networks = {{"policy", 0x1234, parameters_}, {"critic", 0x5678, critic_}}};
+  }
+  // The same as format 1 (the policy alone) or 2 (both networks).
+  std::vector<std::byte> OldPolicy(uint32_t format, std::span<const float> critic) {
+    std::vector<std::byte> bytes;
+    ByteWriter writer(bytes);
+    writer.PutBytes(std::as_bytes(std::span(std::string_view("DADRLPOL"))));
+    writer.Put(format);
+    writer.Put(uint32_t{7});
+    writer.Put(uint64_t{900});
+    writer.Put(uint64_t{0x1234});
+    writer.PutText(ToYaml(config_, false));
+    const std::array<std::span<const float>, 2> networks = {parameters_, critic};
+    for (const std::span<const float> network : std::span(networks).first(format)) {
+      writer.Put(uint64_t{network.size()});
+      writer.PutBytes(std::as_bytes(network));
+    }
+    writer.Put(Xxh3(bytes));
+    return bytes;
   }
   std::vector<std::byte> Saved() { return ReadFile(path_, 1 << 20).value(); }
   // Makes the checksum right again.
@@ -46,13 +65,18 @@ TEST_F(PolicyFileTest, ReadsBackEverything) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
   const auto loaded = LoadPolicy(path_);
   ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(loaded->layout_hash, 0x1234u);
   EXPECT_EQ(loaded->policy_version, 7u);
   EXPECT_EQ(loaded->updates, 900u);
   EXPECT_EQ(loaded->config.model.hidden, 128);
   EXPECT_EQ(loaded->config.scenario, "double_merge");
-  EXPECT_EQ(loaded->parameters, parameters_);
-  EXPECT_EQ(loaded->critic, critic_);
+  ASSERT_EQ(loaded->networks.size(), 2u);
+  EXPECT_EQ(loaded->policy().name, "policy");
+  EXPECT_EQ(loaded->policy().layout_hash, 0x1234u);
+  EXPECT_EQ(loaded->policy().parameters, parameters_);
+  ASSERT_EQ(loaded->Find("critic"), &loaded->networks[1]);
+  EXPECT_EQ(loaded->networks[1].layout_hash, 0x5678u);
+  EXPECT_EQ(loaded->networks[1].parameters, critic_);
+  EXPECT_EQ(loaded->Find("value"), nullptr);
 }
 
 TEST_F(PolicyFileTest, OutlivesChangesOfKeysThatNobodyDrivesBy) {
@@ -74,18 +98,72 @@ TEST_F(PolicyFileTest, RefusesAKeyOfTheNetworkThatItDoesNotKnow) {
   EXPECT_THAT(loaded.error().message, HasSubstr("model.hidden"));
 }
 
-TEST_F(PolicyFileTest, ReadsTheFormatWithoutCritics) {
-  critic_.clear();
-  ASSERT_TRUE(SavePolicy(path_, Policy()));
-  std::vector<std::byte> bytes = Saved();
-  bytes[8] = std::byte{1};
-  bytes.erase(bytes.end() - 16, bytes.end() - 8);  // the critics' count
-  Seal(bytes);
-  WritePlainly(path_, bytes);
-  const auto loaded = LoadPolicy(path_);
-  ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(loaded->parameters, parameters_);
-  EXPECT_TRUE(loaded->critic.empty());
+TEST_F(PolicyFileTest, ReadsTheFormatsWithoutNames) {
+  WritePlainly(path_, OldPolicy(2, critic_));
+  const auto both = LoadPolicy(path_);
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_EQ(both->policy_version, 7u);
+  EXPECT_EQ(both->updates, 900u);
+  EXPECT_EQ(both->policy().layout_hash, 0x1234u);
+  EXPECT_EQ(both->policy().parameters, parameters_);
+  ASSERT_NE(both->Find("critic"), nullptr);
+  EXPECT_EQ(both->Find("critic")->parameters, critic_);
+  EXPECT_TRUE(CheckLayout(*both->Find("critic"), path_, 0x99, 2)) << "it does not say which layout";
+  EXPECT_FALSE(CheckLayout(*both->Find("critic"), path_, 0x99, 3));
+  for (const auto& bytes : {OldPolicy(1, {}), OldPolicy(2, {})}) {
+    WritePlainly(path_, bytes);
+    const auto alone = LoadPolicy(path_);
+    ASSERT_TRUE(alone) << alone.error().message;
+    EXPECT_EQ(alone->policy().parameters, parameters_);
+    EXPECT_EQ(alone->networks.size(), 1u);
+  }
+}
+
+TEST_F(PolicyFileTest, DamageToTheFormatsWithoutNamesIsNoticed) {
+  const std::vector<std::byte> good = OldPolicy(2, critic_);
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::vector<std::byte> bad = good;
+    bad[i] ^= std::byte{0x40};
+    WritePlainly(path_, bad);
+    ASSERT_FALSE(LoadPolicy(path_)) << "byte " << i;
+    WritePlainly(path_, std::span(good).first(i));
+    ASSERT_FALSE(LoadPolicy(path_)) << "length " << i;
+  }
+}
+
+TEST_F(PolicyFileTest, NamesThatAreNoneOrDoubleOrMissThePolicyAreCorrupt) {
+  const auto refusal = [&](std::vector<NamedNetwork> networks) {
+    PolicyToSave policy = Policy();
+    policy.networks = std::move(networks);
+    EXPECT_TRUE(SavePolicy(path_, policy));
+    const auto loaded = LoadPolicy(path_);
+    return loaded ? "accepted" : loaded.error().message;
+  };
+  const NamedNetwork policy{"policy", 1, parameters_};
+  EXPECT_THAT(refusal({}), HasSubstr("its first network is not 'policy'"));
+  EXPECT_THAT(refusal({{"critic", 1, critic_}, policy}), HasSubstr("its first network is not 'policy'"));
+  EXPECT_THAT(refusal({policy, policy}), HasSubstr("name of network 1"));
+  const std::string long_name(65, 'a');
+  for (const std::string& name : {std::string("../critic"), std::string(), std::string("a b"), long_name}) {
+    EXPECT_THAT(refusal({policy, {name, 1, critic_}}), HasSubstr("name of network 1")) << name;
+  }
+}
+
+// A file that claims to be as long as it is, with nothing in it: what would be taken for its numbers is not
+// there to take.
+TEST_F(PolicyFileTest, LongFileWithoutContentsIsRefusedByItsHead) {
+  std::vector<std::byte> head = OldPolicy(2, critic_);
+  head.resize(12);
+  for (const size_t kept : {size_t{0}, head.size()}) {
+    WritePlainly(path_, std::span(head).first(kept));
+    std::filesystem::resize_file(path_, kMaxPolicyBytes);
+    rusage before{};
+    rusage after{};
+    getrusage(RUSAGE_SELF, &before);
+    EXPECT_EQ(LoadPolicy(path_).error().code, ErrorCode::kCorrupt);
+    getrusage(RUSAGE_SELF, &after);
+    EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 << 10) << "KiB";
+  }
 }
 
 TEST_F(PolicyFileTest, MissingFileIsNotFoundAndNamed) {
@@ -122,7 +200,9 @@ TEST_F(PolicyFileTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
   const std::vector<std::byte> good = Saved();
   const size_t critic_count = good.size() - 8 - critic_.size() * sizeof(float) - 8;
-  for (const size_t count_at : {critic_count, critic_count - parameters_.size() * sizeof(float) - 8}) {
+  const size_t policy_count =
+      critic_count - 8 - 4 - std::string_view("critic").size() - parameters_.size() * sizeof(float) - 8;
+  for (const size_t count_at : {critic_count, policy_count}) {
     for (const std::byte high : {std::byte{0xFF}, std::byte{0}}) {
       std::vector<std::byte> bytes = good;
       for (size_t i = 0; i < 8; ++i) bytes[count_at + i] = high;
@@ -141,21 +221,21 @@ TEST_F(PolicyFileTest, AnotherFormatIsRefusedWithBothNumbers) {
   const auto loaded = LoadPolicy(path_);
   EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(loaded.error().message, HasSubstr("format 9"));
-  EXPECT_THAT(loaded.error().message, HasSubstr("formats 1 and 2"));
+  EXPECT_THAT(loaded.error().message, HasSubstr("formats 1 to 3"));
 }
 
 TEST_F(PolicyFileTest, ParameterThatIsNotFiniteIsCorrupt) {
   parameters_[2] = std::numeric_limits<float>::quiet_NaN();
   ASSERT_TRUE(SavePolicy(path_, Policy()));
-  EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("parameter 2 is not finite"));
+  EXPECT_THAT(LoadPolicy(path_).error().message, HasSubstr("parameter 2 of network 'policy' is not finite"));
 }
 
 TEST_F(PolicyFileTest, OtherLayoutIsRefused) {
   ASSERT_TRUE(SavePolicy(path_, Policy()));
-  const PolicyFile loaded = LoadPolicy(path_).value();
-  EXPECT_TRUE(CheckLayout(loaded, path_, 0x1234, 4));
-  EXPECT_EQ(CheckLayout(loaded, path_, 0x1235, 4).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_FALSE(CheckLayout(loaded, path_, 0x1234, 5));
+  const StoredNetwork policy = LoadPolicy(path_).value().policy();
+  EXPECT_TRUE(CheckLayout(policy, path_, 0x1234, 4));
+  EXPECT_EQ(CheckLayout(policy, path_, 0x1235, 4).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_FALSE(CheckLayout(policy, path_, 0x1234, 5));
 }
 
 }  // namespace

@@ -27,17 +27,16 @@ class SelectCommand : public testing::Test {
     EXPECT_TRUE(run && run->SaveConfig(Config{}));
     const auto trained = LoadPolicy(DADRL_SOURCE_DIR "/deploy/policies/left_turn.dadrl");
     EXPECT_TRUE(trained) << trained.error().message;
-    Save(*trained, 100, trained->parameters);
-    Save(*trained, 200, std::vector<float>(trained->parameters.size()));
+    Save(*trained, 100, trained->policy().parameters);
+    Save(*trained, 200, std::vector<float>(trained->policy().parameters.size()));
     fs::create_symlink("policy-000000200.dadrl", paths_.policy());
   }
 
   void Save(const PolicyFile& policy, uint64_t updates, const std::vector<float>& parameters) const {
     EXPECT_TRUE(SavePolicy(paths_.checkpoints() / fmt::format("policy-{:09}.dadrl", updates),
-                           {.layout_hash = policy.layout_hash,
-                            .updates = updates,
+                           {.updates = updates,
                             .config_yaml = ToYaml(policy.config, false),
-                            .parameters = parameters}));
+                            .networks = {{kPolicyNetwork, policy.policy().layout_hash, parameters}}}));
   }
   CommandOutput Select(std::vector<std::string> more = {}) const {
     more.insert(more.begin(), {"select", "--run-dir", paths_.root, "--episodes", "4", "--processes", "1"});

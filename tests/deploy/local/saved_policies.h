@@ -19,7 +19,7 @@ inline SavedPolicy SavePolicyAt(const RunPaths& paths, uint64_t updates) {
   EXPECT_TRUE(SavePolicy(file, {.policy_version = static_cast<uint32_t>(updates / 10),
                                 .updates = updates,
                                 .config_yaml = ToYaml(Config{}, false),
-                                .parameters = kParameters}));
+                                .networks = {{kPolicyNetwork, 1, kParameters}}}));
   return {file, updates, static_cast<uint32_t>(updates / 10)};
 }
 

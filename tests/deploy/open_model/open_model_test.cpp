@@ -42,13 +42,13 @@ class OpenModelTest : public testing::Test {
     const PolicyNetwork policy(spec, config_.model);
     const CriticNetwork critic(spec, config_.model);
     const std::vector<float> parameters = Fresh(policy.layout, 1);
-    const std::vector<float> critics = with_critic ? Fresh(critic.layout, 2) : std::vector<float>();
-    ASSERT_TRUE(SavePolicy(policy_, {.layout_hash = policy.layout.hash(),
-                                     .policy_version = 3,
-                                     .updates = 70,
-                                     .config_yaml = ToYaml(config_, false),
-                                     .parameters = parameters,
-                                     .critic = critics}));
+    const std::vector<float> critics = Fresh(critic.layout, 2);
+    std::vector<NamedNetwork> networks = {{kPolicyNetwork, policy.layout.hash(), parameters},
+                                          {kCriticNetwork, critic.layout.hash(), critics}};
+    if (!with_critic) networks.pop_back();
+    ASSERT_TRUE(SavePolicy(
+        policy_,
+        {.policy_version = 3, .updates = 70, .config_yaml = ToYaml(config_, false), .networks = networks}));
   }
 
   // An empty road, a full one, vehicles that have just come or just gone, an empty and a full picture.
@@ -224,6 +224,11 @@ TEST_F(OpenModelTest, FolderThatCannotBeIsNamed) {
 
 class BadPolicyTest : public OpenModelTest {
  protected:
+  void Save(const PolicyFile& file) {
+    PolicyToSave policy{.config_yaml = ToYaml(file.config, false), .networks = {}};
+    for (const StoredNetwork& network : file.networks) policy.networks.push_back(network.view());
+    ASSERT_TRUE(SavePolicy(policy_, policy));
+  }
   void ExpectRefused(int exit_code, const std::string& message) {
     for (const CommandOutput& output : {Export(), Act()}) {
       EXPECT_EQ(output.exit_code, exit_code) << output.err;
@@ -246,22 +251,16 @@ TEST_F(BadPolicyTest, OtherNetworksThanItsConfiguration) {
   SavePolicyOf();
   PolicyFile file = LoadPolicy(policy_).value();
   file.config.model.hidden = 80;
-  ASSERT_TRUE(SavePolicy(policy_, {.layout_hash = file.layout_hash,
-                                   .config_yaml = ToYaml(file.config, false),
-                                   .parameters = file.parameters,
-                                   .critic = file.critic}));
-  ExpectRefused(2, "networks of another layout");
+  Save(file);
+  ExpectRefused(2, "network 'policy' of another layout");
 }
 
 TEST_F(BadPolicyTest, CriticsOfAnotherLength) {
   SavePolicyOf();
   PolicyFile file = LoadPolicy(policy_).value();
-  file.critic.pop_back();
-  ASSERT_TRUE(SavePolicy(policy_, {.layout_hash = file.layout_hash,
-                                   .config_yaml = ToYaml(file.config, false),
-                                   .parameters = file.parameters,
-                                   .critic = file.critic}));
-  ExpectRefused(2, "critics of");
+  file.networks.at(1).parameters.pop_back();
+  Save(file);
+  ExpectRefused(2, "network 'critic' of another layout");
 }
 
 class BadObservationsTest : public OpenModelTest {

@@ -17,7 +17,7 @@ Checkpoint Whole() {
   checkpoint.trained_s = 12.5;
   checkpoint.config_yaml = "seed: 1\n";
   checkpoint.published_ns = {1, 2, 3};
-  checkpoint.policy.assign(5, 0.5f);
+  checkpoint.networks = {{"policy", 7, std::vector<float>(5, 0.5f)}};
   checkpoint.blocks = {{"policy", Bytes(20)}, {"critic", Bytes(8)}};
   return checkpoint;
 }
@@ -43,18 +43,20 @@ bool Check(std::span<std::byte> input) {
   Require(checkpoint->weights_version <= kMaxWeightsVersion);
   Require(checkpoint->updates + 1 > checkpoint->updates);
   for (const int64_t ns : checkpoint->published_ns) Require(ns >= 0);
-  for (const float value : checkpoint->policy) Require(std::isfinite(value));
+  for (const float value : checkpoint->networks.front().parameters) Require(std::isfinite(value));
   return true;
 }
 
 Seeds MakeSeeds() {
-  Seeds seeds{.accepted = {FileOf(Whole()), FileOf({})}, .refused = {AsBytes("DADRLCKP")}};
+  Checkpoint bare;
+  bare.networks.emplace_back();
+  Seeds seeds{.accepted = {FileOf(Whole()), FileOf(bare)}, .refused = {AsBytes("DADRLCKP")}};
   Checkpoint endless = Whole();
   endless.trained_s = INFINITY;
   Checkpoint late = Whole();
   late.weights_version = UINT32_MAX;
   Checkpoint spoilt = Whole();
-  spoilt.policy[2] = NAN;
+  spoilt.networks.front().parameters[2] = NAN;
   Checkpoint before_1970 = Whole();
   before_1970.published_ns = {INT64_MIN, INT64_MAX};
   Checkpoint countless = Whole();
