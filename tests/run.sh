@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # On a bare Debian 12: installs the packages, checks layers, formatting and scripts, builds, runs every test.
 #
-#   tests/run.sh [--quick | --all] [further options of ctest]
+#   tests/run.sh [--quick] [--with STAGE]... [--all] [further options of ctest]
 #
-#   --quick  leaves the tests labelled "long" out
-#   --all    more than .ci/run: g++ compiles everything too, tests under the sanitizers, fuzzers, clang-tidy
+#   --quick       leaves the tests labelled "long" out
+#   --with STAGE  one more: gcc (g++ compiles everything too), asan, tsan (tests under sanitizers), fuzz, tidy
+#   --all         all of them
 #
 # PRESET=gcc tests/run.sh uses another preset of CMakePresets.json. With CI=true a skipped test is a failure, unless the
 # machine lacks what it misses (tests/check_skips.py). The last line says how many tests and checks passed and failed.
@@ -12,17 +13,28 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
 . tests/stages.sh
+. tests/sanitizers.sh
 preset=${PRESET:-release}
 
-all=false
+more_stages=(gcc asan tsan fuzz tidy)
+wanted=" "
 ctest_options=()
-for argument in "$@"; do
-  case $argument in
+while [ $# -gt 0 ]; do
+  case $1 in
     --quick) ctest_options+=(--label-exclude '^long$') ;;
-    --all) all=true ;;
-    --help | -h) sed -n '2,10s/^# \{0,1\}//p' tests/run.sh; exit 0 ;;
-    *) ctest_options+=("$argument") ;;
+    --all) wanted=" ${more_stages[*]} " ;;
+    --with)
+      [[ " ${more_stages[*]} " == *" ${2:-} "* ]] || {
+        echo "error: --with ${2:-}: no such stage; there are ${more_stages[*]}" >&2
+        exit 2
+      }
+      wanted+="$2 "
+      shift
+      ;;
+    --help | -h) sed -n '2,12s/^# \{0,1\}//p' tests/run.sh; exit 0 ;;
+    *) ctest_options+=("$1") ;;
   esac
+  shift
 done
 
 packages() { deploy/install_packages.sh tests/packages.txt; }
@@ -43,12 +55,11 @@ build() {
 
 # run_tests PRESET [OPTION OF CTEST...]: those of what is built.
 run_tests() {
-  local results=build/$1/tests.xml status=0
-  ctest --preset "$1" --exclude-regex '_NOT_BUILT$' --output-junit "$root/$results" "${@:2}" || status=$?
+  local results=build/$1/tests.xml status=0 kind=() as=()
+  [[ $1 == *san ]] && kind=(--sanitized) as=(with_fixed_addresses)
+  "${as[@]}" ctest --preset "$1" --exclude-regex '_NOT_BUILT$' --output-junit "$root/$results" "${@:2}" || status=$?
   count_tests "$results"
   if [ "${CI:-}" = true ]; then
-    local kind=()
-    [[ $1 == *san ]] && kind=(--sanitized)
     tests/check_skips.py "${kind[@]}" "$results"
   fi
   return "$status"
@@ -56,6 +67,8 @@ run_tests() {
 
 # What parses or stores what comes from outside, and the learner.
 address_sanitizer() {
+  have_room_for_shadow || return 0
+  allow_for_refused_tracing
   cmake --preset asan -DDADRL_FUZZ=ON  # one build for these tests and the fuzzers
   build asan config_test io_test policy_file_test telemetry_bus_test telemetry_test experience_test evaluation_report_test \
     replay_table_test chunk_verifier_test chores_test training_test learner_cluster_test algorithms_test model_test \
@@ -65,20 +78,22 @@ address_sanitizer() {
 
 # Whatever has threads: the replay's service, the fetcher, the writer, the supervisor and what they are made of.
 thread_sanitizer() {
+  have_room_for_shadow || return 0
   build tsan util_test nn_test dds_test chores_test replay_service_test learner_cluster_test training_test \
     actor_experience_test deploy_local_test
   run_tests tsan -j "$(nproc)"
 }
 
+# more STAGE NAME COMMAND [ARGUMENT...]: if it is wanted.
+more() { [[ $wanted != *" $1 "* ]] || stage "${@:2}"; }
+
 stage "packages" packages
 stage "sources: layers, formatting, scripts" check_sources
 stage "build: $preset" build "$preset"
-if $all; then
-  stage "g++ compiles everything" build gcc-quick
-  stage "address and undefined-behaviour sanitizers" address_sanitizer
-  stage "thread sanitizer" thread_sanitizer
-  stage "fuzzers" tests/run_fuzzers.sh
-  stage "clang-tidy of what changed" tests/tidy_changes.sh
-fi
+more gcc "g++ compiles everything" build gcc-quick
+more asan "address and undefined-behaviour sanitizers" address_sanitizer
+more tsan "thread sanitizer" thread_sanitizer
+more fuzz "fuzzers" tests/run_fuzzers.sh
+more tidy "clang-tidy of what changed" tests/tidy_changes.sh
 stage "tests: $preset" run_tests "$preset" "${ctest_options[@]}"
 summarize
