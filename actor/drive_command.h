@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 

@@ -43,7 +43,7 @@ DrivingEnvironment::DrivingEnvironment(const Config& config, const EnvironmentOp
       localizer_(map(), route()),
       task_(map(), route(), config.task),
       sensor_(map(), route(), config.observation),
-      observation_(ObservationSpec::From(config.observation)) {}
+      observation_(DrivingShape::From(config.observation)) {}
 
 Status DrivingEnvironment::Reset(uint64_t seed) {
   const LongWork loading(kLongestLoad);

@@ -8,7 +8,8 @@
 
 #include "actor/task/episode_summary.h"
 #include "common/config/config.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
+#include "common/step/observation.h"
 #include "common/util/result.h"
 
 namespace dadrl {

@@ -20,17 +20,35 @@ size_t SlotCount(const Config& config) {
   return static_cast<size_t>(config.learner.credits) * static_cast<size_t>(config.replay.shards) + 1;
 }
 
+// Whether replays of this configuration serve batches of `shape` as they should.
+Status CheckServed(const Config& config, const TrajectoryShape& shape) {
+  const ReplayConfig& replay = config.replay;
+  if (shape.all_observations && shape.steps > replay.sequence_length) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.sequence_length: {} is shorter than the {} decisions that this learner trains on; "
+                "raise it, to at most {}",
+                replay.sequence_length, shape.steps, kMaxTrajectorySteps);
+  }
+  if (!shape.all_observations && replay.sequence_period != 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.sequence_period: {} lets only every {}th frame be drawn, and this learner trains on "
+                "transitions; set it to 1",
+                replay.sequence_period, replay.sequence_period);
+  }
+  return {};
+}
+
 void Count(std::atomic<uint64_t>& counter, uint64_t by = 1) {
   counter.fetch_add(by, std::memory_order_relaxed);
 }
 
 }  // namespace
 
-template <typename Batch>
-Result<std::unique_ptr<BatchFetcher<Batch>>> BatchFetcher<Batch>::Create(
-    const dds::Node& node, const Config& config, uint64_t incarnation,
-    std::function<uint32_t()> newest_version, const FetchOptions& options) {
-  DADRL_RETURN_IF_ERROR(BatchKind<Batch>::Check(config));
+Result<std::unique_ptr<BatchFetcher>> BatchFetcher::Create(const dds::Node& node, const Config& config,
+                                                           const TrajectoryShape& shape, uint64_t incarnation,
+                                                           std::function<uint32_t()> newest_version,
+                                                           const FetchOptions& options) {
+  DADRL_RETURN_IF_ERROR(CheckServed(config, shape));
   Endpoints endpoints;
   DADRL_ASSIGN_OR_RETURN(endpoints.requests,
                          dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
@@ -38,67 +56,62 @@ Result<std::unique_ptr<BatchFetcher<Batch>>> BatchFetcher<Batch>::Create(
                          dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
                          PrioritySender::Create(node, incarnation, ExperienceBounds::From(config).priority));
-  return std::unique_ptr<BatchFetcher<Batch>>(
-      new BatchFetcher(std::move(endpoints), config, incarnation, std::move(newest_version), options));
+  return std::unique_ptr<BatchFetcher>(
+      new BatchFetcher(std::move(endpoints), config, shape, incarnation, std::move(newest_version), options));
 }
 
-template <typename Batch>
-BatchFetcher<Batch>::BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
-                                  std::function<uint32_t()> newest_version, const FetchOptions& options)
+BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const TrajectoryShape& shape,
+                           uint64_t incarnation, std::function<uint32_t()> newest_version,
+                           const FetchOptions& options)
     : endpoints_(std::move(endpoints)),
       config_(config),
-      schema_(SchemaHash(ObservationSpec::From(config.observation))),
+      shape_(shape),
+      schema_(SchemaHash(DrivingStepSpec(config))),
       incarnation_(incarnation),
       newest_version_(std::move(newest_version)),
       options_(options),
       ready_(SlotCount(config)),
       free_(SlotCount(config)),
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
-      codec_(ObservationSpec::From(config.observation), config.actor.floats) {
+      decoder_(DrivingStepSpec(config), ExperienceBounds::From(config)) {
   for (size_t i = 0; i < SlotCount(config); ++i) {
-    slots_.push_back(std::make_unique<Slot>(Slot{BatchKind<Batch>::Make(config), 0}));
+    slots_.push_back(std::make_unique<Slot>(Slot{TrajectoryBatch(DrivingStepSpec(config), shape), 0}));
     Slot* slot = slots_.back().get();
     static_cast<void>(free_.TryPush(slot));  // has room for all
   }
   thread_ = std::thread([this] { Run(); });
 }
 
-template <typename Batch>
-BatchFetcher<Batch>::~BatchFetcher() {
+BatchFetcher::~BatchFetcher() {
   stopping_.store(true);
   endpoints_.replies->Wake();
   thread_.join();
 }
 
-template <typename Batch>
-Batch* BatchFetcher<Batch>::Take(Duration timeout) {
+TrajectoryBatch* BatchFetcher::Take(Duration timeout) {
   const std::optional<Slot*> slot = ready_.Pop(timeout);
   if (!slot) return nullptr;
   endpoints_.replies->Wake();  // a credit is free
   return &(*slot)->batch;
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::Release(Batch* batch) {
+void BatchFetcher::Release(TrajectoryBatch* batch) {
   Slot* slot = &SlotOf(*batch);
   static_cast<void>(free_.TryPush(slot));  // has room for all
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::UpdatePriorities(const Batch& batch, std::span<const float> td_error) {
-  endpoints_.priorities->Send(SlotOf(batch).shard, batch.key, td_error);
+void BatchFetcher::UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) {
+  endpoints_.priorities->Send(SlotOf(batch).shard, batch.keys, td_error);
 }
 
-template <typename Batch>
-typename BatchFetcher<Batch>::Slot& BatchFetcher<Batch>::SlotOf(const Batch& batch) {
+BatchFetcher::Slot& BatchFetcher::SlotOf(const TrajectoryBatch& batch) {
   const auto slot = std::find_if(slots_.begin(), slots_.end(),
                                  [&](const auto& candidate) { return &candidate->batch == &batch; });
   assert(slot != slots_.end());
   return **slot;
 }
 
-template <typename Batch>
-FetchStats BatchFetcher<Batch>::stats() const {
+FetchStats BatchFetcher::stats() const {
   return {.batches = batches_.load(),
           .bytes = bytes_.load(),
           .corrupt = corrupt_.load(),
@@ -110,8 +123,7 @@ FetchStats BatchFetcher<Batch>::stats() const {
           .frames_held = frames_held_.load()};
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::Run() {
+void BatchFetcher::Run() {
   while (!stopping_.load()) {
     RepeatAfterRematch();
     SendDue();
@@ -122,22 +134,17 @@ void BatchFetcher<Batch>::Run() {
   }
 }
 
-template <typename Batch>
-Duration BatchFetcher<Batch>::WaitTime() const {
+Duration BatchFetcher::WaitTime() const {
   if (!can_ask()) return kLongestWait;
   const TimePoint now = clock_.Now();
   return std::clamp<Duration>(book_.next_due(now) - now, Duration::zero(), kLongestWait);
 }
 
 // A request that nobody reads, or that cannot be answered, is lost: hold it.
-template <typename Batch>
-bool BatchFetcher<Batch>::can_ask() const {
-  return endpoints_.requests->matched() > 0 && matched_repliers_ > 0;
-}
+bool BatchFetcher::can_ask() const { return endpoints_.requests->matched() > 0 && matched_repliers_ > 0; }
 
 // A shard came back: what it was asked before is forgotten there. Either side may be the last to be matched.
-template <typename Batch>
-void BatchFetcher<Batch>::RepeatAfterRematch() {
+void BatchFetcher::RepeatAfterRematch() {
   const uint64_t generation = endpoints_.requests->match_generation();
   const int repliers = endpoints_.replies->matched();
   if (generation != match_generation_ || repliers > matched_repliers_) book_.RepeatAll();
@@ -145,8 +152,7 @@ void BatchFetcher<Batch>::RepeatAfterRematch() {
   matched_repliers_ = repliers;
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::SendDue() {
+void BatchFetcher::SendDue() {
   if (!can_ask()) return;
   for (const RequestBook::Request& request : book_.Due(clock_.Now(), static_cast<int>(ready_.size()))) {
     dadrl_idl_BatchRequest sample{};
@@ -155,7 +161,9 @@ void BatchFetcher<Batch>::SendDue() {
     sample.request = request.number;
     sample.oldest_open = book_.oldest_open(request.shard);
     sample.protocol = kProtocolVersion;
-    BatchKind<Batch>::Describe(config_, sample);
+    sample.trajectories = static_cast<uint32_t>(shape_.count);
+    sample.steps = static_cast<uint32_t>(shape_.steps);
+    sample.all_observations = shape_.all_observations;
     sample.schema = schema_;
     sample.policy_version = newest_version_();
     // What could not be sent is repeated when its time-out passes.
@@ -166,8 +174,7 @@ void BatchFetcher<Batch>::SendDue() {
   given_up_.store(book_.given_up(), std::memory_order_relaxed);
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::OnReply(const dadrl_idl_BatchReply& reply) {
+void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
   if (reply.learner != incarnation_ || reply.shard >= static_cast<uint32_t>(config_.replay.shards)) {
     Count(foreign_);
     return;
@@ -186,28 +193,25 @@ void BatchFetcher<Batch>::OnReply(const dadrl_idl_BatchReply& reply) {
 }
 
 // Asking again would not help: this is the end of the thread.
-template <typename Batch>
-void BatchFetcher<Batch>::OnRefusal(const dadrl_idl_BatchReply& reply) {
+void BatchFetcher::OnRefusal(const dadrl_idl_BatchReply& reply) {
   MutexLock lock(mutex_);
   status_ = Fail(ErrorCode::kInvalidArgument, "replay {} refuses to serve this learner: {}", reply.shard,
                  Shown(reply.refusal, sizeof(reply.refusal)));
   stopping_.store(true);
 }
 
-template <typename Batch>
-Status BatchFetcher<Batch>::status() const {
+Status BatchFetcher::status() const {
   MutexLock lock(mutex_);
   return status_;
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::Decode(const dadrl_idl_BatchReply& reply) {
+void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {
   // Credits bound what is under way, so one is free.
   const std::optional<Slot*> free = free_.Pop(Duration::zero());
   if (!free) return Count(stale_);
   Slot* slot = *free;
   const std::span<const std::byte> bytes = std::as_bytes(std::span(reply.bytes._buffer, reply.bytes._length));
-  const Status decoded = BatchKind<Batch>::Decode(bytes, schema_, config_, codec_, slot->batch);
+  const Status decoded = decoder_.Decode(bytes, slot->batch);
   if (!decoded) {
     static_cast<void>(free_.TryPush(slot));
     DropCorrupt(reply, decoded.error());
@@ -218,8 +222,7 @@ void BatchFetcher<Batch>::Decode(const dadrl_idl_BatchReply& reply) {
   static_cast<void>(ready_.TryPush(slot));  // has room for all
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {
+void BatchFetcher::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {
   Count(corrupt_);
   const TimePoint now = clock_.Now();
   book_.HoldOff(now + options_.corrupt_pause);
@@ -228,8 +231,7 @@ void BatchFetcher<Batch>::DropCorrupt(const dadrl_idl_BatchReply& reply, const E
   spdlog::warn("dropped a batch of replay {} ({} so far): {}", reply.shard, corrupt_.load(), error.message);
 }
 
-template <typename Batch>
-void BatchFetcher<Batch>::UpdateReasonToWait() {
+void BatchFetcher::UpdateReasonToWait() {
   Activity reason = Activity::kWaitForBatch;
   if (!can_ask()) {
     reason = Activity::kWaitForReplay;
@@ -238,8 +240,5 @@ void BatchFetcher<Batch>::UpdateReasonToWait() {
   }
   waiting_for_.store(reason, std::memory_order_relaxed);
 }
-
-template class BatchFetcher<TransitionBatch>;
-template class BatchFetcher<SequenceBatch>;
 
 }  // namespace dadrl

@@ -15,11 +15,11 @@
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
-#include "learner/batch_kind.h"
 #include "learner/batch_source.h"
 #include "learner/priority_sender.h"
 #include "learner/request_book.h"
 #include "proto/topics.h"
+#include "proto/trajectory_codec.h"
 
 namespace dadrl {
 
@@ -41,23 +41,22 @@ struct FetchOptions {
   Duration corrupt_pause = std::chrono::milliseconds(100);  // before asking again after garbage
 };
 
-// `Batch` is TransitionBatch or SequenceBatch.
 // Owns a thread that asks, receives and decodes, and learner.credits batches for each shard that go round.
 // Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; others: any.
-template <typename Batch>
-class BatchFetcher final : public BatchSource<Batch> {
+class BatchFetcher final : public BatchSource {
  public:
-  // `incarnation` tells this learner from the one before it. `newest_version` is called on the fetcher's
-  // thread. kInvalidArgument: BatchKind::Check.
+  // Fetches batches of `shape`. `incarnation` tells this learner from the one before it. `newest_version` is
+  // called on the fetcher's thread. kInvalidArgument: replays of this configuration do not serve such
+  // batches.
   static Result<std::unique_ptr<BatchFetcher>> Create(const dds::Node& node, const Config& config,
-                                                      uint64_t incarnation,
+                                                      const TrajectoryShape& shape, uint64_t incarnation,
                                                       std::function<uint32_t()> newest_version,
                                                       const FetchOptions& options);
   ~BatchFetcher() override;
 
-  Batch* Take(Duration timeout) override;
-  void Release(Batch* batch) override;
-  void UpdatePriorities(const Batch& batch, std::span<const float> td_error) override;
+  TrajectoryBatch* Take(Duration timeout) override;
+  void Release(TrajectoryBatch* batch) override;
+  void UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) override;
   Activity waiting_for() const override { return waiting_for_.load(std::memory_order_relaxed); }
   // kInvalidArgument: a shard refuses to serve this learner, since their configurations differ.
   Status status() const override DADRL_EXCLUDES(mutex_);
@@ -66,7 +65,7 @@ class BatchFetcher final : public BatchSource<Batch> {
 
  private:
   struct Slot {
-    Batch batch;
+    TrajectoryBatch batch;
     uint32_t shard = 0;
   };
   struct Endpoints {
@@ -75,7 +74,7 @@ class BatchFetcher final : public BatchSource<Batch> {
     std::unique_ptr<PrioritySender> priorities;
   };
 
-  BatchFetcher(Endpoints endpoints, const Config& config, uint64_t incarnation,
+  BatchFetcher(Endpoints endpoints, const Config& config, const TrajectoryShape& shape, uint64_t incarnation,
                std::function<uint32_t()> newest_version, const FetchOptions& options);
   void Run();
   Duration WaitTime() const;
@@ -87,10 +86,11 @@ class BatchFetcher final : public BatchSource<Batch> {
   void Decode(const dadrl_idl_BatchReply& reply);
   void DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error);
   void UpdateReasonToWait();
-  Slot& SlotOf(const Batch& batch);
+  Slot& SlotOf(const TrajectoryBatch& batch);
 
   const Endpoints endpoints_;
   const Config config_;
+  const TrajectoryShape shape_;
   const uint64_t schema_;
   const uint64_t incarnation_;
   const std::function<uint32_t()> newest_version_;
@@ -106,7 +106,7 @@ class BatchFetcher final : public BatchSource<Batch> {
 
   // The fetcher's thread.
   RequestBook book_;
-  FrameCodec codec_;
+  TrajectoryDecoder decoder_;
   uint64_t match_generation_ = 0;
   int matched_repliers_ = 0;
   TimePoint corrupt_logged_at_{};
@@ -115,8 +115,5 @@ class BatchFetcher final : public BatchSource<Batch> {
       given_up_{0}, frames_held_{0};
   std::thread thread_;
 };
-
-extern template class BatchFetcher<TransitionBatch>;
-extern template class BatchFetcher<SequenceBatch>;
 
 }  // namespace dadrl

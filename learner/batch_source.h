@@ -1,9 +1,10 @@
 // Where a learner's batches come from: the replay shards over DDS (BatchFetcher), or a table in the same
-// process. `Batch` is TransitionBatch or SequenceBatch.
+// process.
 #pragma once
 
 #include <span>
 
+#include "common/step/trajectory_batch.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
@@ -11,20 +12,19 @@
 namespace dadrl {
 
 // Called by the training thread only.
-template <typename Batch>
 class BatchSource {
  public:
   virtual ~BatchSource() = default;
 
   // The next ready batch, lent until Release, one at a time; null when there is none within `timeout` (zero:
   // now).
-  virtual Batch* Take(Duration timeout) = 0;
+  virtual TrajectoryBatch* Take(Duration timeout) = 0;
   // Gives a taken batch back; its memory is used again.
-  virtual void Release(Batch* batch) = 0;
+  virtual void Release(TrajectoryBatch* batch) = 0;
 
   // New priorities of a taken batch, before its Release: `td_error` is [batch], absolute. Never blocks;
   // may be dropped.
-  virtual void UpdatePriorities(const Batch& batch, std::span<const float> td_error) = 0;
+  virtual void UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) = 0;
 
   // Why there is no batch now: kWaitForBatch (one is under way), kWaitForInserts (the replay withholds it),
   // kWaitForReplay (no replay is there).

@@ -52,8 +52,8 @@ Trainer::Trainer(const Config& config, const Parts& parts, const TrainingProgres
       staleness_(progress.weights_version, progress.published_ns),
       shared_updates_(progress.updates) {}
 
-TransitionBatch* Trainer::WaitForBatch(Duration timeout) {
-  if (TransitionBatch* ready = parts_.batches.Take(Duration::zero())) return ready;
+TrajectoryBatch* Trainer::WaitForBatch(Duration timeout) {
+  if (TrajectoryBatch* ready = parts_.batches.Take(Duration::zero())) return ready;
   ledger_.Enter(parts_.batches.waiting_for());
   return parts_.batches.Take(timeout);
 }
@@ -64,7 +64,7 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     publish_now_ = false;
     DADRL_RETURN_IF_ERROR(Publish());
   }
-  TransitionBatch* batch = WaitForBatch(timeout);
+  TrajectoryBatch* batch = WaitForBatch(timeout);
   if (batch == nullptr) {
     DADRL_RETURN_IF_ERROR(parts_.batches.status());
     return Step::kNoBatch;
@@ -85,7 +85,7 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     AddTo(sum_, *stats);
     ++interval_updates_;
     shared_updates_ = updates_;
-    staleness_.Add(batch->policy_version);
+    staleness_.Add(std::span(batch->policy_versions).first(batch->keys.size()));
   }
   if (UsesPriorities(config_.replay)) {
     parts_.batches.UpdatePriorities(*batch, parts_.algorithm.td_error());

@@ -9,7 +9,7 @@
 
 #include "common/config/config.h"
 #include "common/liveness/working_thread.h"
-#include "common/model/transition_batch.h"
+#include "common/step/trajectory_batch.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
@@ -46,7 +46,7 @@ class Trainer {
   // Borrowed; they outlive the trainer.
   struct Parts {
     Algorithm& algorithm;
-    BatchSource<TransitionBatch>& batches;
+    BatchSource& batches;
     PolicyPublisher& publisher;
     CheckpointWriter& checkpoints;
     const Clock& clock;
@@ -80,7 +80,7 @@ class Trainer {
   const TimeLedger& ledger() const { return ledger_; }
 
  private:
-  TransitionBatch* WaitForBatch(Duration timeout);
+  TrajectoryBatch* WaitForBatch(Duration timeout);
   Status PublishIfDue();
   Status CheckpointIfDue();
   Status Publish();

@@ -9,7 +9,6 @@
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/util/prefetch.h"
-#include "proto/experience_bounds.h"
 
 namespace dadrl {
 namespace {
@@ -20,7 +19,8 @@ constexpr size_t kChecksumBytes = 8;
 // As it is on the wire: there are no gaps.
 struct WireHeader {
   uint32_t magic;
-  uint32_t version;
+  uint16_t version;
+  uint16_t decision_floats;
   uint32_t actor;
   uint32_t first_frame;
   uint32_t frames;
@@ -39,25 +39,18 @@ WireHeader LoadHeader(std::span<const std::byte> bytes) {
 }
 
 constexpr size_t PaddedFlags(size_t frames) { return (frames + 3) / 4 * 4; }
-constexpr size_t ColumnBytes(size_t frames) {
-  return frames * (4 + sizeof(Action) + 4) + PaddedFlags(frames) + (frames + 1) * 4;
+constexpr size_t ColumnBytes(size_t frames, size_t decision_floats) {
+  return frames * 4 * (1 + decision_floats + 1) + PaddedFlags(frames) + (frames + 1) * 4;
 }
+
+// Before they were counted a decision was an action of two.
+constexpr uint16_t kUncountedDecisionFloats = 2;
 
 }  // namespace
 
-uint64_t SchemaHash(const ObservationSpec& spec) {
-  std::vector<std::byte> bytes;
-  ByteWriter writer(bytes);
-  for (const int value : {static_cast<int>(kExperienceVersion), spec.vehicles, spec.history,
-                          ObservationSpec::kVehicleFeatures, ObservationSpec::kEgoFeatures,
-                          ObservationSpec::kContextPlanes, ObservationSpec::kContextSize, kActionSize}) {
-    writer.Put(value);
-  }
-  return Xxh3(bytes);
-}
-
-ChunkBuilder::ChunkBuilder(const ObservationSpec& spec, FloatCoding floats)
-    : codec_(spec, floats), schema_(SchemaHash(spec)) {
+ChunkBuilder::ChunkBuilder(const StepSpec& spec, FloatCoding floats)
+    : codec_(spec, floats), decision_floats_(spec.decision_floats()), schema_(SchemaHash(spec)) {
+  assert(decision_floats_ >= 1 && decision_floats_ <= kMaxDecisionFloats);
   Begin(0, 0);
 }
 
@@ -65,27 +58,30 @@ void ChunkBuilder::Begin(uint64_t episode, uint32_t first_frame) {
   episode_ = episode;
   first_frame_ = first_frame;
   policy_versions_.clear();
-  actions_.clear();
+  decisions_.clear();
   rewards_.clear();
   flags_.clear();
   offsets_.assign(1, 0);
   payloads_.clear();
 }
 
-void ChunkBuilder::AddTransition(const Observation& observation, const Action& action, float reward,
+void ChunkBuilder::AddTransition(ColumnRows observation, std::span<const float> decision, float reward,
                                  uint8_t flags, uint32_t policy_version) {
   assert((flags & ~(kTerminated | kTruncated)) == 0);
-  AddFrame(observation, action, reward, static_cast<uint8_t>(flags | kHasAction), policy_version);
+  assert(decision.size() == decision_floats_);
+  decisions_.insert(decisions_.end(), decision.begin(), decision.end());
+  AddFrame(observation, reward, static_cast<uint8_t>(flags | kHasDecision), policy_version);
 }
 
-void ChunkBuilder::AddFinal(const Observation& observation) { AddFrame(observation, {}, 0.0f, 0, 0); }
+void ChunkBuilder::AddFinal(ColumnRows observation) {
+  decisions_.resize(decisions_.size() + decision_floats_);
+  AddFrame(observation, 0.0f, 0, 0);
+}
 
-void ChunkBuilder::AddFrame(const Observation& observation, const Action& action, float reward, uint8_t flags,
-                            uint32_t policy_version) {
+void ChunkBuilder::AddFrame(ColumnRows observation, float reward, uint8_t flags, uint32_t policy_version) {
   assert(!full());
   codec_.Encode(observation, payloads_);
   policy_versions_.push_back(policy_version);
-  actions_.push_back(action);
   rewards_.push_back(reward);
   flags_.push_back(flags);
   offsets_.push_back(static_cast<uint32_t>(payloads_.size()));
@@ -93,8 +89,8 @@ void ChunkBuilder::AddFrame(const Observation& observation, const Action& action
 
 bool ChunkBuilder::full() const {
   const size_t frames = flags_.size();
-  const size_t with_another = kChunkHeaderBytes + ColumnBytes(frames + 1) + payloads_.size() +
-                              codec_.max_payload_bytes() + kChecksumBytes;
+  const size_t with_another = kChunkHeaderBytes + ColumnBytes(frames + 1, decision_floats_) +
+                              payloads_.size() + codec_.max_payload_bytes() + kChecksumBytes;
   return frames == kMaxChunkFrames || (frames > 0 && with_another > kMaxChunkBytes);
 }
 
@@ -102,10 +98,12 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
   assert(!flags_.empty());
   const size_t frames = flags_.size();
   std::vector<std::byte> bytes;
-  bytes.reserve(kChunkHeaderBytes + ColumnBytes(frames) + payloads_.size() + kChecksumBytes);
+  bytes.reserve(kChunkHeaderBytes + ColumnBytes(frames, decision_floats_) + payloads_.size() +
+                kChecksumBytes);
   ByteWriter writer(bytes);
   const WireHeader header{.magic = kChunkMagic,
                           .version = kExperienceVersion,
+                          .decision_floats = static_cast<uint16_t>(decision_floats_),
                           .actor = identity.actor,
                           .first_frame = first_frame_,
                           .frames = static_cast<uint32_t>(frames),
@@ -116,7 +114,7 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
                           .schema = schema_};
   writer.PutBytes(std::as_bytes(std::span(&header, 1)));
   writer.PutBytes(std::as_bytes(std::span(policy_versions_)));
-  writer.PutBytes(std::as_bytes(std::span(actions_)));
+  writer.PutBytes(std::as_bytes(std::span(decisions_)));
   writer.PutBytes(std::as_bytes(std::span(rewards_)));
   writer.PutBytes(std::as_bytes(std::span(flags_)));
   bytes.resize(bytes.size() + PaddedFlags(frames) - frames);
@@ -147,8 +145,14 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
   if (header.frames < 1 || header.frames > kMaxChunkFrames) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} frames; one has 1 to {}", header.frames, kMaxChunkFrames);
   }
+  const uint16_t decision_floats =
+      header.decision_floats == 0 ? kUncountedDecisionFloats : header.decision_floats;
+  if (decision_floats > kMaxDecisionFloats) {
+    return Fail(ErrorCode::kCorrupt, "chunk's decisions have {} numbers; they have at most {}",
+                decision_floats, kMaxDecisionFloats);
+  }
   const size_t expected =
-      kChunkHeaderBytes + ColumnBytes(header.frames) + header.payload_bytes + kChecksumBytes;
+      kChunkHeaderBytes + ColumnBytes(header.frames, decision_floats) + header.payload_bytes + kChecksumBytes;
   if (bytes.size() != expected) {
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
   }
@@ -158,7 +162,8 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
   }
   ChunkView view;
   view.bytes_ = bytes;
-  view.frames_ = header.frames;
+  view.frames_ = static_cast<uint16_t>(header.frames);
+  view.decision_floats_ = decision_floats;
   view.payload_bytes_ = header.payload_bytes;
   checking(ChunkFault::kContents);
   if (header.sequence == 0 || header.sequence > kMaxSequence ||
@@ -186,18 +191,16 @@ Status ChunkView::CheckFrames() const {
   for (int i = 0; i < frames(); ++i) {
     // Rising offsets: no payload is empty, and none overlaps another.
     if (offset(i + 1) <= offset(i)) return Fail(ErrorCode::kCorrupt, "chunk's frame {} has no payload", i);
-    const Action a = action(i);
-    if (!IsPossibleAction(a) || !std::isfinite(reward(i))) {
-      return Fail(ErrorCode::kCorrupt,
-                  "chunk's frame {} has action ({:g}, {:g}) and reward {:g}; actions are in [-1, 1], rewards "
-                  "finite",
-                  i, a[0], a[1], reward(i));
+    bool finite = std::isfinite(reward(i));
+    for (size_t k = 0; k < decision_floats_; ++k) finite &= std::isfinite(decision(i, k));
+    if (!finite) {
+      return Fail(ErrorCode::kCorrupt, "chunk's frame {} has a decision or a reward that is not finite", i);
     }
     const uint8_t bits = flags(i);
     const bool last = i == frames() - 1;
-    const bool known = (bits & ~(kHasAction | kTerminated | kTruncated)) == 0;
+    const bool known = (bits & ~(kHasDecision | kTerminated | kTruncated)) == 0;
     const bool one_end = (bits & (kTerminated | kTruncated)) != (kTerminated | kTruncated);
-    const bool final_frame = (bits & kHasAction) == 0;
+    const bool final_frame = (bits & kHasDecision) == 0;
     const bool ends_here = final_frame || (bits & kTerminated) != 0;
     const bool after_truncation = i > 0 && (flags(i - 1) & kTruncated) != 0;
     // In a chunk's first frame a final observation may follow a truncation of the chunk before.
@@ -222,7 +225,7 @@ uint64_t ChunkView::checksum() const { return Load<uint64_t>(&bytes_[bytes_.size
 void ChunkView::PrefetchColumns(int frame) const {
   const auto at = static_cast<size_t>(frame);
   Prefetch(policy_versions() + sizeof(uint32_t) * at, 1);
-  Prefetch(actions() + sizeof(Action) * at, 1);
+  Prefetch(decisions() + decision_bytes() * at, 1);
   Prefetch(rewards() + sizeof(float) * at, 1);
   Prefetch(flag_bytes() + at, 1);
   Prefetch(offsets() + sizeof(uint32_t) * at, 1);

@@ -1,4 +1,4 @@
-// Experience as it travels and is stored: frames, chunks of frames, slices of chunks (design, section 6).
+// Experience as it travels and is stored: chunks of an episode's frames (design, section 6).
 //
 // An episode of T decisions is T + 1 frames when it was truncated (the last holds the observation after the
 // last decision and no action), and T frames when it terminated (nothing follows a collision or the goal). A
@@ -8,10 +8,9 @@
 // Wire format, little endian: magic u32, version u32, actor u32, first_frame u32, frames u32, payload bytes
 // u32, incarnation u64, sequence u64, episode u64, schema u64 | policy_version u32[n], action f32[n][2],
 // reward f32[n], flags u8[n] padded with zeros to 4, offset u32[n + 1] | frame payloads | xxh3-64 of
-// everything before. What a payload holds: frame_codec.cpp.
+// everything before. What a payload holds: payload_codec.cpp.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -21,16 +20,18 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/model/observation.h"
+#include "common/step/columns.h"
 #include "common/util/result.h"
+#include "proto/payload_codec.h"
 
 namespace dadrl {
 
-constexpr uint32_t kExperienceVersion = 1;
+constexpr uint16_t kExperienceVersion = 1;
 constexpr int kMaxChunkFrames = 64;
 // Nothing longer is ever accepted from a socket or a file.
 constexpr size_t kMaxChunkBytes = size_t{4} << 20;
 constexpr size_t kChunkHeaderBytes = 56;
+constexpr size_t kMaxDecisionFloats = 1024;
 // More than an incarnation can ever send: a million chunks a second for eight years. Numbers up to it never
 // wrap, whatever is added to them.
 constexpr uint64_t kMaxSequence = uint64_t{1} << 48;
@@ -38,9 +39,9 @@ constexpr uint64_t kMaxSequence = uint64_t{1} << 48;
 // Bits of a frame's flags.
 // A frame without an action is the final observation after a truncation: the last of its episode.
 enum FrameFlag : uint8_t {
-  kHasAction = 1,   // action, reward and policy_version are valid
-  kTerminated = 2,  // the action ended the episode; nothing follows
-  kTruncated = 4,   // the action was the last before the time limit; the next frame is the final observation
+  kHasDecision = 1,  // decision, reward and policy_version are valid
+  kTerminated = 2,   // the action ended the episode; nothing follows
+  kTruncated = 4,    // the action was the last before the time limit; the next frame is the final observation
 };
 
 // Who wrote a chunk: the replay accepts each identity exactly once.
@@ -56,51 +57,22 @@ struct ChunkHeader {
   uint64_t episode = 0;      // unique within the incarnation
   uint32_t first_frame = 0;  // of the chunk's first frame within its episode
   uint32_t frames = 0;
-  uint64_t schema = 0;  // SchemaHash of the observation spec: a replay holds one schema
+  uint64_t schema = 0;  // SchemaHash: a replay holds one schema
 };
-
-uint64_t SchemaHash(const ObservationSpec& spec);
-
-// Compresses one observation: floats as fp32 or fp16, context planes as bits. Lossless for fp32, to half
-// precision for fp16 (finite values beyond 65504 become 65504). Keeps its scratch memory; one a thread.
-class FrameCodec {
- public:
-  FrameCodec(const ObservationSpec& spec, FloatCoding floats);
-  ~FrameCodec();
-  FrameCodec(FrameCodec&&) noexcept;
-  FrameCodec& operator=(FrameCodec&&) noexcept;
-
-  // No payload of this spec is longer.
-  size_t max_payload_bytes() const;
-
-  // Appends the payload to `out`.
-  void Encode(const Observation& observation, std::vector<std::byte>& out);
-  // Fills the three arrays (sized as in Observation). kCorrupt when the payload is not exactly one frame of
-  // this spec with finite floats (the arrays are then unspecified); reads nothing beyond it, whatever it
-  // holds. Either float coding is accepted: the payload says which.
-  Status Decode(std::span<const std::byte> payload, std::span<float> vehicles, std::span<float> ego,
-                std::span<uint8_t> context);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-// How a payload's floats are coded; for payloads that Decode accepts.
-FloatCoding CodingOf(std::span<const std::byte> payload);
 
 // Collects consecutive frames of one episode and serialises them. Not thread safe.
 class ChunkBuilder {
  public:
-  ChunkBuilder(const ObservationSpec& spec, FloatCoding floats);
+  ChunkBuilder(const StepSpec& spec, FloatCoding floats);
 
   // Starts an empty chunk whose first frame is frame `first_frame` of `episode`.
   void Begin(uint64_t episode, uint32_t first_frame);
-  // A frame with the action taken on it; `flags` of kTerminated and kTruncated, kHasAction is added.
-  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
+  // A frame with what was decided on it, the spec's decision_floats; `flags` of kTerminated and kTruncated,
+  // kHasDecision is added.
+  void AddTransition(ColumnRows observation, std::span<const float> decision, float reward, uint8_t flags,
                      uint32_t policy_version);
   // The observation after a truncation.
-  void AddFinal(const Observation& observation);
+  void AddFinal(ColumnRows observation);
   int frames() const { return static_cast<int>(flags_.size()); }
   // No other frame may be added: kMaxChunkFrames are in, or the next might exceed kMaxChunkBytes (which takes
   // an observation far larger than the default one).
@@ -110,15 +82,15 @@ class ChunkBuilder {
   std::vector<std::byte> Finish(const ChunkIdentity& identity) const;
 
  private:
-  void AddFrame(const Observation& observation, const Action& action, float reward, uint8_t flags,
-                uint32_t policy_version);
+  void AddFrame(ColumnRows observation, float reward, uint8_t flags, uint32_t policy_version);
 
-  FrameCodec codec_;
+  PayloadCodec codec_;
+  const size_t decision_floats_;
   uint64_t schema_;
   uint64_t episode_ = 0;
   uint32_t first_frame_ = 0;
   std::vector<uint32_t> policy_versions_;
-  std::vector<Action> actions_;
+  std::vector<float> decisions_;
   std::vector<float> rewards_;
   std::vector<uint8_t> flags_;
   std::vector<uint32_t> offsets_;
@@ -132,7 +104,7 @@ enum class ChunkFault : int {
   kLength,       // of the message, or of what it claims to hold
   kChecksum,
   kContents,  // impossible flags or numbers, or frames that cannot be decoded
-  kSchema,    // of other observations
+  kSchema,    // of other columns
   kStale,     // of an actor that has been restarted since, or of one actor too many
   kCount,
 };
@@ -143,8 +115,8 @@ std::string_view ChunkFaultName(ChunkFault fault);
 // A validated look into a chunk's bytes; borrows them.
 class ChunkView {
  public:
-  // Checks magic, version, lengths, offsets, flags and their order, the range of actions, finiteness of
-  // rewards, checksum; not the payloads, nor what the task allows (CheckRewards). Never reads outside
+  // Checks magic, version, lengths, offsets, flags and their order, finiteness of decisions and rewards,
+  // checksum; not the payloads, nor what spec and task allow (experience_bounds.h). Never reads outside
   // `bytes`. kCorrupt with what was wrong, and `fault` set.
   static Result<ChunkView> Parse(std::span<const std::byte> bytes, ChunkFault* fault = nullptr);
 
@@ -155,7 +127,13 @@ class ChunkView {
   ChunkHeader header() const;
   int frames() const { return static_cast<int>(frames_); }
   uint32_t policy_version(int frame) const { return Load<uint32_t>(policy_versions(), frame); }
-  Action action(int frame) const { return Load<Action>(actions(), frame); }
+  size_t decision_floats() const { return decision_floats_; }
+  float decision(int frame, size_t index) const {
+    return Load<float>(decisions() + static_cast<size_t>(frame) * decision_bytes(), static_cast<int>(index));
+  }
+  std::span<const std::byte> decision(int frame) const {
+    return {decisions() + static_cast<size_t>(frame) * decision_bytes(), decision_bytes()};
+  }
   float reward(int frame) const { return Load<float>(rewards(), frame); }
   uint8_t flags(int frame) const { return Load<uint8_t>(flag_bytes(), frame); }
   std::span<const std::byte> payload(int frame) const {
@@ -182,15 +160,17 @@ class ChunkView {
 
   // Where the columns begin.
   const std::byte* policy_versions() const { return bytes_.data() + kChunkHeaderBytes; }
-  const std::byte* actions() const { return policy_versions() + frames_ * sizeof(uint32_t); }
-  const std::byte* rewards() const { return actions() + frames_ * sizeof(Action); }
+  size_t decision_bytes() const { return decision_floats_ * sizeof(float); }
+  const std::byte* decisions() const { return policy_versions() + frames_ * sizeof(uint32_t); }
+  const std::byte* rewards() const { return decisions() + frames_ * decision_bytes(); }
   const std::byte* flag_bytes() const { return rewards() + frames_ * sizeof(float); }
   const std::byte* offsets() const { return flag_bytes() + (frames_ + size_t{3}) / 4 * 4; }
   const std::byte* payloads() const { return offsets() + (frames_ + size_t{1}) * sizeof(uint32_t); }
 
   std::span<const std::byte> bytes_;
-  uint32_t frames_ = 0;
   uint32_t payload_bytes_ = 0;
+  uint16_t frames_ = 0;
+  uint16_t decision_floats_ = 0;
 };
 
 }  // namespace dadrl

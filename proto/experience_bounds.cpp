@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/config/config_schema.h"
+#include "common/step/step_spec.h"
 #include "proto/experience.h"
 
 namespace dadrl {
@@ -46,23 +47,28 @@ ExperienceBounds ExperienceBounds::OfAnyTask() {
   return From(widest);
 }
 
-bool IsPossibleAction(const Action& action) {
-  return std::ranges::all_of(action, [](float value) { return std::abs(value) <= 1.0f; });
-}
-
-bool ArePossibleFeatures(std::span<const float> features) {
-  // All of them are looked at, several at once: hardly ever is one impossible.
+bool IsPossibleDecision(const StepSpec& spec, std::span<const float> decision) {
+  if (decision.size() != spec.decision_floats()) return false;
   bool possible = true;
-  for (const float value : features) possible &= std::abs(value) <= ObservationSpec::kFeatureBound;
+  for (const ColumnSpec& column : spec.decision) {
+    for (const float value : decision.first(column.elements())) possible &= std::abs(value) <= column.bound;
+    decision = decision.subspan(column.elements());
+  }
   return possible;
 }
 
-Status DecodeWithinBounds(FrameCodec& codec, std::span<const std::byte> payload, std::span<float> vehicles,
-                          std::span<float> ego, std::span<uint8_t> context) {
-  DADRL_RETURN_IF_ERROR(codec.Decode(payload, vehicles, ego, context));
-  if (ArePossibleFeatures(vehicles) && ArePossibleFeatures(ego)) return {};
-  return Fail(ErrorCode::kCorrupt, "frame payload holds a feature beyond {:g}, to which sensing clamps",
-              ObservationSpec::kFeatureBound);
+Status CheckDecisions(const ChunkView& chunk, const StepSpec& spec) {
+  std::vector<float> decision(chunk.decision_floats());
+  for (int frame = 0; frame < chunk.frames(); ++frame) {
+    for (size_t i = 0; i < decision.size(); ++i) decision[i] = chunk.decision(frame, i);
+    if (IsPossibleDecision(spec, decision)) continue;
+    const ChunkHeader header = chunk.header();
+    return Fail(ErrorCode::kCorrupt,
+                "actor {}, episode {}, frame {}: decision ({:.3g}) is beyond what its columns allow: {}",
+                header.identity.actor, header.episode, header.first_frame + static_cast<uint32_t>(frame),
+                fmt::join(decision, ", "), ColumnsText(spec.decision));
+  }
+  return {};
 }
 
 Status CheckRewards(const ChunkView& chunk, const ExperienceBounds& bounds) {

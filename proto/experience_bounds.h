@@ -8,13 +8,13 @@
 #include <span>
 
 #include "common/config/config.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "common/util/result.h"
 
 namespace dadrl {
 
 class ChunkView;
-class FrameCodec;
+class PayloadCodec;
 
 // A lane's limit below it counts as this much in the reward, so that driving over a slow lane's limit costs a
 // bounded amount.
@@ -36,13 +36,10 @@ struct ExperienceBounds {
   bool AllowsPriority(float p) const { return p >= 0.0f && p <= priority; }
 };
 
-// Finite and in [-1, 1].
-bool IsPossibleAction(const Action& action);
-// Vehicles or ego of an observation: finite and within what sensing clamps to.
-bool ArePossibleFeatures(std::span<const float> features);
-// FrameCodec::Decode, and kCorrupt as well when a number is beyond what sensing clamps to.
-Status DecodeWithinBounds(FrameCodec& codec, std::span<const std::byte> payload, std::span<float> vehicles,
-                          std::span<float> ego, std::span<uint8_t> context);
+// Finite, and within the bound of its column.
+bool IsPossibleDecision(const StepSpec& spec, std::span<const float> decision);
+// kCorrupt names the first frame whose decision is of another length, or beyond its columns' bounds.
+Status CheckDecisions(const ChunkView& chunk, const StepSpec& spec);
 // kCorrupt names the first frame with another reward, the reward and the bound.
 Status CheckRewards(const ChunkView& chunk, const ExperienceBounds& bounds);
 

@@ -45,7 +45,7 @@ void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkV
 ChunkIndex::OpenEpisode& ChunkIndex::Continue(StoredChunk& chunk) {
   const ChunkHeader header = chunk.view.header();
   OpenEpisode& episode = episodes_[header.identity.actor];
-  const bool starts_with_final = (chunk.view.flags(0) & kHasAction) == 0;
+  const bool starts_with_final = (chunk.view.flags(0) & kHasDecision) == 0;
   const bool continues = episode.last != nullptr && episode.incarnation == header.identity.incarnation &&
                          episode.episode == header.episode && episode.next_frame == header.first_frame &&
                          episode.truncated == starts_with_final;
@@ -66,7 +66,7 @@ void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
   uint8_t flags = 0;
   for (int frame = 0; frame < chunk.view.frames(); ++frame) {
     flags = chunk.view.flags(frame);
-    if ((flags & kHasAction) == 0) {
+    if ((flags & kHasDecision) == 0) {
       Release(episode, episode.pending.size());
       continue;
     }
@@ -76,9 +76,9 @@ void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
     episode.pending.push_back({.chunk = &chunk, .frame = static_cast<uint8_t>(frame)});
     if ((flags & kTerminated) != 0) Release(episode, episode.pending.size());
   }
-  frames_ += chunk.actions();
+  frames_ += chunk.decisions();
   episode.truncated = (flags & kTruncated) != 0;
-  const bool ended = (flags & kHasAction) == 0 || (flags & kTerminated) != 0;
+  const bool ended = (flags & kHasDecision) == 0 || (flags & kTerminated) != 0;
   if (ended) episode.last = nullptr;
 }
 
@@ -149,7 +149,7 @@ void ChunkIndex::DropOldest() {
   Abandon(oldest);
   for (StoredChunk& chunk : oldest.chunks) {
     RemoveItems(chunk);
-    if (!oldest.damaged) frames_ -= chunk.actions();
+    if (!oldest.damaged) frames_ -= chunk.decisions();
   }
   chunk_count_ -= oldest.chunks.size();
   segments_.pop_front();
@@ -161,7 +161,7 @@ uint64_t ChunkIndex::DropDamaged() {
     if (segment->damaged || !segment->segment->damaged()) continue;
     segment->damaged = true;
     Abandon(*segment);
-    for (const StoredChunk& chunk : segment->chunks) frames_ -= chunk.actions();
+    for (const StoredChunk& chunk : segment->chunks) frames_ -= chunk.decisions();
   }
   if (frames_ == before) return 0;
   for (const auto& segment : segments_) {
@@ -303,7 +303,7 @@ void ChunkIndex::RemoveStale(StoredChunk& chunk) {
   if (!TooStale(chunk.oldest_version)) return;
   uint32_t oldest_left = std::numeric_limits<uint32_t>::max();
   for (int frame = 0; frame < chunk.view.frames(); ++frame) {
-    if ((chunk.view.flags(frame) & kHasAction) == 0) continue;
+    if ((chunk.view.flags(frame) & kHasDecision) == 0) continue;
     const uint32_t version = chunk.view.policy_version(frame);
     const uint32_t slot = chunk.slots()[static_cast<size_t>(frame)];
     if (!TooStale(version)) {

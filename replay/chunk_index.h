@@ -13,12 +13,12 @@
 #include "proto/experience.h"
 #include "replay/item_states.h"
 #include "replay/sampling/selector.h"
-#include "replay/slice.h"
 #include "replay/storage/segment.h"
+#include "replay/trajectory_reader.h"
 
 namespace dadrl {
 
-// An item is a frame with an action whose n-step slice is complete: n frames of its episode follow, or the
+// An item is a frame with a decision whose n-step slice is complete: n frames of its episode follow, or the
 // episode's end. The last frames of an episode that breaks off (its actor died, a chunk was lost) never
 // become items. With a stride above 1 only every stride-th frame of an episode does: overlapping sequences.
 // Not thread safe; reads chunks' columns, never payloads.
@@ -69,7 +69,7 @@ class ChunkIndex {
   // Drops the items that are too stale by now, if there is a limit.
   void SetNewestVersion(uint32_t version);
 
-  uint64_t frames() const { return frames_; }  // with an action
+  uint64_t frames() const { return frames_; }  // with a decision
   // Of them, those behind `position`.
   uint64_t FramesBehind(LogPosition position) const;
   uint64_t chunks() const { return chunk_count_; }

@@ -83,7 +83,7 @@ uint64_t ChunkIndex::FramesBehind(LogPosition position) const {
   for (const auto& stored : segments_) {
     for (const StoredChunk& chunk : stored->chunks) {
       const LogPosition at{stored->segment->id(), stored->segment->OffsetOf(chunk.view.bytes())};
-      if (position < at) frames += chunk.actions();
+      if (position < at) frames += chunk.decisions();
     }
   }
   return frames;

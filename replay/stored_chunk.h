@@ -23,7 +23,7 @@ struct alignas(64) ChunkIndex::StoredChunk {
         slots_by_frame(std::make_unique<uint32_t[]>(static_cast<size_t>(chunk.frames()))),
         checksum(chunk.checksum()),
         number(number_within),
-        ends_with_final((chunk.flags(chunk.frames() - 1) & kHasAction) == 0 ? 1 : 0) {
+        ends_with_final((chunk.flags(chunk.frames() - 1) & kHasDecision) == 0 ? 1 : 0) {
     std::fill_n(slots_by_frame.get(), chunk.frames(), kNoItem);
   }
 
@@ -32,8 +32,8 @@ struct alignas(64) ChunkIndex::StoredChunk {
   std::span<const uint32_t> slots() const {
     return {slots_by_frame.get(), static_cast<size_t>(view.frames())};
   }
-  // Frames with an action: all but a final observation.
-  uint64_t actions() const { return static_cast<uint64_t>(view.frames()) - ends_with_final; }
+  // Frames with a decision: all but a final observation.
+  uint64_t decisions() const { return static_cast<uint64_t>(view.frames()) - ends_with_final; }
 
   ChunkView view;
   StoredSegment* segment;

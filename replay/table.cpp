@@ -27,9 +27,14 @@ ChunkIndex::Options IndexOptions(const TableOptions& options) {
           .remover = options.replay.remover};
 }
 
-uint64_t Actions(const ChunkView& chunk) {
+// What a batch of this shape takes from the limiter.
+int64_t Samples(const TrajectoryShape& shape) {
+  return int64_t{shape.count} * (shape.all_observations ? shape.steps : 1);
+}
+
+uint64_t Decisions(const ChunkView& chunk) {
   // Only the last frame may have none.
-  const bool final_frame = (chunk.flags(chunk.frames() - 1) & kHasAction) == 0;
+  const bool final_frame = (chunk.flags(chunk.frames() - 1) & kHasDecision) == 0;
   return static_cast<uint64_t>(chunk.frames() - (final_frame ? 1 : 0));
 }
 
@@ -51,6 +56,7 @@ RateLimiter::Options LimiterOptions(const ReplayConfig& replay) {
 
 ReplayTable::ReplayTable(TableOptions options, const Clock& clock)
     : options_(std::move(options)),
+      schema_(SchemaHash(options_.spec)),
       clock_(clock),
       index_(IndexOptions(options_)),
       limiter_(LimiterOptions(options_.replay)),
@@ -84,14 +90,14 @@ Result<ReplayTable::Insertion> ReplayTable::InsertParsed(const ChunkView& chunk,
                                                          ChunkRefusal* refusal) {
   const ChunkHeader header = chunk.header();
   const ChunkIdentity& identity = header.identity;
-  if (header.schema != options_.schema) {
+  if (header.schema != schema_) {
     SettleNext(identity, oldest_kept);
     return Refuse(
         ChunkFault::kSchema,
         {ErrorCode::kCorrupt,
          fmt::format("actor {}: its experience has schema {:#x}, this replay holds {:#x}; start the "
                      "actor with the configuration of the run",
-                     identity.actor, header.schema, options_.schema)},
+                     identity.actor, header.schema, schema_)},
         refusal);
   }
   const auto verdict = sequences_.Check(identity, std::min(oldest_kept, identity.sequence));
@@ -157,6 +163,7 @@ void ReplayTable::SettleNext(const ChunkIdentity& identity, uint64_t oldest_kept
 
 Status ReplayTable::CheckContents(const ChunkView& chunk) const {
   DADRL_RETURN_IF_ERROR(CheckRewards(chunk, options_.bounds));
+  DADRL_RETURN_IF_ERROR(CheckDecisions(chunk, options_.spec));
   return options_.verify ? options_.verify(chunk) : Status();
 }
 
@@ -171,7 +178,7 @@ Status ReplayTable::Store(ChunkView chunk) {
     MutexLock lock(mutex_);
     index_.Add(stored.segment, chunk);
     index_.RemoveSurplus(random_);
-    limiter_.OnInsert(static_cast<int64_t>(Actions(chunk)));
+    limiter_.OnInsert(static_cast<int64_t>(Decisions(chunk)));
     counters_.inserted_bytes += length;
     counters_.lost_chunks += skipped;
   }
@@ -236,62 +243,54 @@ void ReplayTable::BoundIndex() {
   }
 }
 
-RateLimiter::Hold ReplayTable::MaySample(size_t count, int sequence_length) {
+RateLimiter::Hold ReplayTable::MaySample(const TrajectoryShape& shape) {
   MutexLock lock(mutex_);
-  last_count_ = count;
-  const auto samples = static_cast<int64_t>(count) * std::max(sequence_length, 1);
-  return limiter_.MaySample(samples, Drawable(count));
+  last_count_ = static_cast<size_t>(shape.count);
+  return limiter_.MaySample(Samples(shape), Drawable(last_count_));
 }
 
 int64_t ReplayTable::Drawable(size_t count) const {
   return index_.CanDraw(count) ? static_cast<int64_t>(index_.items()) : 0;
 }
 
-Result<SampledBatch> ReplayTable::Sample(size_t count, int n_step, uint32_t policy_version) {
-  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn,
-                         Draw({.count = count, .n_step = n_step, .policy_version = policy_version}));
-  return AssembleBatch(std::move(drawn), n_step);
-}
-
-Result<SampledSequences> ReplayTable::SampleSequences(size_t count, int length, uint32_t policy_version) {
-  assert(length >= 1);
-  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn,
-                         Draw({.count = count, .sequence_length = length, .policy_version = policy_version}));
-  return AssembleSequences(std::move(drawn), length);
-}
-
-Status ReplayTable::CheckWanted(const Wanted& wanted) const {
-  if (wanted.count < 1 || wanted.sequence_length < 0) {
-    return Fail(ErrorCode::kInvalidArgument, "asked for {} sequences of {} decisions", wanted.count,
-                wanted.sequence_length);
+Status ReplayTable::CheckShape(const TrajectoryShape& shape) const {
+  if (shape.count < 1 || shape.count > kMaxBatch) {
+    return Fail(ErrorCode::kInvalidArgument, "a batch of {} is not between 1 and {}", shape.count, kMaxBatch);
   }
-  if (wanted.sequence_length > sequence_length()) {
+  const int most = shape.all_observations ? options_.replay.sequence_length : options_.n_step;
+  if (shape.steps < 1 || shape.steps > most) {
     return Fail(ErrorCode::kInvalidArgument,
-                "asked for sequences of {} decisions, this replay was started with replay.sequence_length {}",
-                wanted.sequence_length, sequence_length());
+                "trajectories of {} steps{}; this replay was started with {} {}; start both with the "
+                "configuration of the run",
+                shape.steps, shape.all_observations ? " with all observations" : "",
+                shape.all_observations ? "replay.sequence_length" : "algorithm.n_step", most);
   }
-  if (wanted.sequence_length == 0 && (wanted.n_step < 1 || wanted.n_step > n_step())) {
+  if (Samples(shape) > kMaxBatchSteps) {
     return Fail(ErrorCode::kInvalidArgument,
-                "asked for slices of {} steps, this replay was started with algorithm.n_step {}",
-                wanted.n_step, n_step());
+                "a batch of {} trajectories of {} steps; at most {} steps fit into one", shape.count,
+                shape.steps, kMaxBatchSteps);
   }
   return {};
 }
 
-Result<DrawnItems> ReplayTable::Draw(const Wanted& wanted) {
-  DADRL_RETURN_IF_ERROR(CheckWanted(wanted));
-  const bool sequences = wanted.sequence_length > 0;
-  const int steps = sequences ? wanted.sequence_length : wanted.n_step;
-  const auto samples = static_cast<int64_t>(wanted.count) * (sequences ? steps : 1);
+Result<DrawnItems> ReplayTable::Draw(const TrajectoryShape& shape, uint32_t policy_version) {
+  DADRL_RETURN_IF_ERROR(CheckShape(shape));
+  const int64_t samples = Samples(shape);
+  const auto count = static_cast<size_t>(shape.count);
   MutexLock lock(mutex_);
-  index_.SetNewestVersion(wanted.policy_version);
-  if (limiter_.MaySample(samples, Drawable(wanted.count)) != RateLimiter::Hold::kNone) {
+  index_.SetNewestVersion(policy_version);
+  if (limiter_.MaySample(samples, Drawable(count)) != RateLimiter::Hold::kNone) {
     return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples,
                 index_.items());
   }
-  DrawnItems drawn = index_.Draw(wanted.count, steps, random_);
+  DrawnItems drawn = index_.Draw(count, shape.steps, random_);
   limiter_.OnSample(samples);
   return drawn;
+}
+
+Result<SampledBatch> ReplayTable::Sample(const TrajectoryShape& shape, uint32_t policy_version) {
+  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn, Draw(shape, policy_version));
+  return ReadTrajectories(std::move(drawn), shape);
 }
 
 void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities) {

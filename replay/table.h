@@ -1,7 +1,7 @@
 // The replay itself, without a network: durable experience in, sampled batches out.
 //
 //   Insert ──► SequenceTable (exactly once) ──► SegmentLog (on disk) ──► ChunkIndex (what can be drawn)
-//   Sample ◄── AssembleBatch (n-step slices, straight from the mapped files) ◄── ChunkIndex
+//   Sample ◄── ReadTrajectories (straight from the mapped files) ◄── ChunkIndex
 //
 // What is stored survives the death of the process as soon as Insert returns, and that of the machine after
 // the next Sync. Both bounds drop the oldest segment first: replay.max_disk_bytes those of the files,
@@ -31,18 +31,18 @@
 #include "replay/chunk_index.h"
 #include "replay/rate_limiter.h"
 #include "replay/sequence_table.h"
-#include "replay/slice.h"
 #include "replay/storage/segment_log.h"
 #include "replay/storage/snapshot.h"
 #include "replay/storage/state_file.h"
+#include "replay/trajectory_reader.h"
 
 namespace dadrl {
 
 struct TableOptions {
   std::filesystem::path directory;  // of this shard; empty: in memory only
-  uint64_t schema = 0;              // chunks of another are refused
+  StepSpec spec;                    // of the steps: chunks of another schema are refused
   ReplayConfig replay;
-  int n_step = 1;     // of the longest slices that will be asked for
+  int n_step = 1;     // steps of the longest trajectories without all observations that will be asked for
   uint64_t seed = 1;  // of the draws
   // Of rewards and priorities: what is beyond them is refused, and dropped when it is found on disk.
   ExperienceBounds bounds = ExperienceBounds::From(Config{});
@@ -70,9 +70,12 @@ class ReplayTable {
  public:
   // Full segments that may wait to be forced to the device, unless replay.sync is none.
   static constexpr size_t kMaxUnforced = 4;
+  // Of a batch: trajectories, and steps of all that have all their observations.
+  static constexpr int kMaxBatch = 65536;
+  static constexpr int64_t kMaxBatchSteps = int64_t{1} << 21;
 
   struct Stats {
-    uint64_t inserted_frames = 0;  // with an action, since the run began
+    uint64_t inserted_frames = 0;  // with a decision, since the run began
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
     uint64_t duplicate_chunks = 0;
     std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
@@ -80,8 +83,8 @@ class ReplayTable {
     uint64_t damaged_frames = 0;  // stored once, and unreadable since
     uint64_t lost_chunks = 0;     // skipped: their actors no longer have them
     uint64_t refused_priorities = 0;
-    uint64_t sampled = 0;      // transitions, since the run began
-    uint64_t frames_held = 0;  // with an action
+    uint64_t sampled = 0;      // as MaySample counts them, since the run began
+    uint64_t frames_held = 0;  // with a decision
     uint64_t items = 0;        // of them, those that can be sampled
     uint64_t chunks_held = 0;
     uint64_t index_bytes = 0;
@@ -121,24 +124,17 @@ class ReplayTable {
   // kInvalidArgument: the folder exists, or the table is in memory only.
   Result<SnapshotReport> Snapshot(const std::filesystem::path& directory);
 
-  // Whether a batch may be sampled now, and if not, why: ask again after inserts.
-  // `sequence_length`: of the sequences that are asked for; 0 for slices.
-  RateLimiter::Hold MaySample(size_t count, int sequence_length = 0);
-  // What a batch is drawn for.
-  struct Wanted {
-    size_t count = 0;
-    int n_step = 1;               // of each slice; at most TableOptions::n_step
-    int sequence_length = 0;      // above 0: sequences of up to so many decisions, n_step is ignored
-    uint32_t policy_version = 0;  // the newest, for the staleness limit; 0 when unknown
-  };
-  // Draws `count` slices, or sequences, each of which counts as `sequence_length` samples. They are read by
-  // AssembleBatch or AssembleSequences, without a lock, so that inserts and other draws go on meanwhile.
-  // kUnavailable: MaySample would not allow it, or what was there went stale.
-  Result<DrawnItems> Draw(const Wanted& wanted);
-  // Draws and reads slices.
-  Result<SampledBatch> Sample(size_t count, int n_step, uint32_t policy_version);
-  // Draws and reads sequences of up to `length` decisions (at most replay.sequence_length).
-  Result<SampledSequences> SampleSequences(size_t count, int length, uint32_t policy_version);
+  // Whether a batch may be sampled now, and if not, why: ask again after inserts. A trajectory with all its
+  // observations counts as so many samples as it has steps, else as one.
+  RateLimiter::Hold MaySample(const TrajectoryShape& shape);
+  // Draws a batch, to be read by ReadTrajectories without a lock, so that inserts and other draws go on
+  // meanwhile. `policy_version`: the newest, for the staleness limit; 0 when unknown. kUnavailable: MaySample
+  // would not allow it, or what was there went stale; kInvalidArgument: CheckShape.
+  Result<DrawnItems> Draw(const TrajectoryShape& shape, uint32_t policy_version);
+  // Draws and reads.
+  Result<SampledBatch> Sample(const TrajectoryShape& shape, uint32_t policy_version);
+  // kInvalidArgument: such batches can never be drawn; names the limit.
+  Status CheckShape(const TrajectoryShape& shape) const;
   // Priorities that are no numbers, negative or beyond the bound are refused: counted, the first is logged.
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
 
@@ -158,10 +154,8 @@ class ReplayTable {
   void TrimMemory() const;
 
   Stats stats() const;
-  uint64_t schema() const { return options_.schema; }
+  uint64_t schema() const { return schema_; }
   const std::filesystem::path& directory() const { return options_.directory; }
-  int n_step() const { return options_.n_step; }
-  int sequence_length() const { return options_.replay.sequence_length; }
 
  private:
   // Everything that is not in the segments, at one moment, and what segments there are.
@@ -180,7 +174,6 @@ class ReplayTable {
   Capture TakeCapture() DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
   Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
-  Status CheckWanted(const Wanted& wanted) const;
   // The items, or 0 while they do not suffice for a batch of `count`: each serves max_times_sampled times.
   int64_t Drawable(size_t count) const DADRL_REQUIRES(mutex_);
   Insertion Refuse(ChunkFault fault, const Error& reason, ChunkRefusal* refusal) DADRL_EXCLUDES(mutex_);
@@ -200,6 +193,7 @@ class ReplayTable {
   std::filesystem::path StatePath() const { return options_.directory / "state"; }
 
   const TableOptions options_;
+  const uint64_t schema_;
   const Clock& clock_;
   std::unique_ptr<SegmentLog> log_;
 

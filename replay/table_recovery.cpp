@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/util/log.h"
+#include "replay/storage/columns_file.h"
 #include "replay/table.h"
 
 namespace dadrl {
@@ -17,7 +18,7 @@ void LimitPriorities(double most, ItemStates& items) {
 }  // namespace
 
 Status ReplayTable::Recover() {
-  const SegmentLog::Options log_options{options_.directory, options_.schema, SegmentBytes(options_.replay),
+  const SegmentLog::Options log_options{options_.directory, schema_, SegmentBytes(options_.replay),
                                         options_.force};
   SegmentLog::Recovery recovery;
   DADRL_ASSIGN_OR_RETURN(log_, SegmentLog::Open(
@@ -27,6 +28,9 @@ Status ReplayTable::Recover() {
                                    },
                                    recovery));
   if (options_.directory.empty()) return {};
+  if (const Status written = WriteColumns(options_.directory, options_.spec); !written) {
+    spdlog::warn("{}: readers of this folder alone may not know its columns", written.error().message);
+  }
   RestoreState();
   MutexLock inserting(insert_mutex_);
   while (log_->segments() > 1 && log_->bytes() > static_cast<uint64_t>(options_.replay.max_disk_bytes)) {
@@ -49,8 +53,8 @@ Status ReplayTable::Recover() {
 bool ReplayTable::RecoverRecord(const std::shared_ptr<const Segment>& segment,
                                 std::span<const std::byte> record) {
   const Result<ChunkView> chunk = ChunkView::Parse(record);
-  if (!chunk || chunk->header().schema != options_.schema) return false;
-  if (!CheckRewards(*chunk, options_.bounds)) return false;
+  if (!chunk || chunk->header().schema != schema_) return false;
+  if (!CheckRewards(*chunk, options_.bounds) || !CheckDecisions(*chunk, options_.spec)) return false;
   MutexLock inserting(insert_mutex_);
   // A gap is a record that was damaged; what follows it is as good as ever.
   const ChunkIdentity& identity = chunk->header().identity;
@@ -70,7 +74,7 @@ void ReplayTable::RestoreState() {
                  found.error().message);
   }
   ReplayState state;
-  if (found && found->schema == options_.schema) state = std::move(*found);
+  if (found && found->schema == schema_) state = std::move(*found);
   LimitPriorities(options_.bounds.priority, state.items);
   MutexLock inserting(insert_mutex_);
   MutexLock lock(mutex_);
@@ -96,7 +100,7 @@ void ReplayTable::RestoreLimiter(const ReplayState& state) {
 ReplayTable::Capture ReplayTable::TakeCapture() {
   Capture capture{.number = ++captures_, .state = {}, .extents = log_->Extents()};
   ReplayState& state = capture.state;
-  state.schema = options_.schema;
+  state.schema = schema_;
   state.up_to = end_;
   state.sequences = sequences_;
   MutexLock lock(mutex_);
@@ -153,7 +157,7 @@ Result<SnapshotReport> ReplayTable::Snapshot(const std::filesystem::path& direct
     MutexLock inserting(insert_mutex_);
     capture = TakeCapture();
   }
-  return WriteSnapshot(capture.state, capture.extents, directory);
+  return WriteSnapshot(capture.state, options_.spec, capture.extents, directory);
 }
 
 }  // namespace dadrl

@@ -58,7 +58,7 @@ class Actor {
  private:
   Actor(const CollectOptions& options, std::unique_ptr<Environment> environment)
       : options_(options),
-        spec_(ObservationSpec::From(options.config.observation)),
+        spec_(DrivingShape::From(options.config.observation)),
         policy_(spec_, options.config.model),
         environment_(std::move(environment)) {}
 
@@ -74,7 +74,7 @@ class Actor {
   void WatchAddress();
 
   const CollectOptions options_;
-  const ObservationSpec spec_;
+  const DrivingShape spec_;
   SystemClock clock_;
   TimeLedger ledger_{clock_};
   ActingPolicy policy_;

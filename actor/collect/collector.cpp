@@ -25,7 +25,7 @@ Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, u
       incarnation_(incarnation),
       random_(ActionSeed(config.seed, actor, incarnation)),
       random_actions_(kSimulationStepS * config.task.decision_interval),
-      before_(ObservationSpec::From(config.observation)),
+      before_(DrivingShape::From(config.observation)),
       episode_(last_episode) {}
 
 Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {

@@ -1,7 +1,7 @@
 // Exploration before there is a policy: uniform actions, each held long enough to move the car.
 #pragma once
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "common/util/random.h"
 
 namespace dadrl {

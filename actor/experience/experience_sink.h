@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/model/observation.h"
+#include "common/step/observation.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -17,7 +17,8 @@ class ExperienceSink {
  public:
   virtual ~ExperienceSink() = default;
   virtual void BeginEpisode(uint64_t episode) = 0;
-  virtual void AddTransition(const Observation& observation, const Action& action, float reward,
+  // A step: what was seen, the values of the decision columns, what came of it.
+  virtual void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
                              uint8_t flags, uint32_t policy_version) = 0;
   virtual void AddFinal(const Observation& observation) = 0;
   // Hands over what is buffered; after it the episode is complete (or was cut by a failed simulator).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/step/driving_shape.h"
 #include "common/util/log.h"
 #include "common/util/shown.h"
 
@@ -24,7 +25,7 @@ ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_
       shard_(actor % static_cast<uint32_t>(config.replay.shards)),
       chunk_frames_(std::clamp(config.actor.chunk_frames, 1, kMaxChunkFrames)),
       max_backlog_bytes_(config.actor.max_unacknowledged_bytes),
-      builder_(ObservationSpec::From(config.observation), config.actor.floats) {}
+      builder_(DrivingStepSpec(config), config.actor.floats) {}
 
 Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const dds::Node& node,
                                                                    const Config& config, uint32_t actor,
@@ -52,9 +53,9 @@ void ExperienceWriter::BeginEpisode(uint64_t episode) {
   builder_.Begin(episode_, next_frame_);
 }
 
-void ExperienceWriter::AddTransition(const Observation& observation, const Action& action, float reward,
-                                     uint8_t flags, uint32_t policy_version) {
-  builder_.AddTransition(observation, action, reward, flags, policy_version);
+void ExperienceWriter::AddTransition(const Observation& observation, std::span<const float> decision,
+                                     float reward, uint8_t flags, uint32_t policy_version) {
+  builder_.AddTransition(observation, decision, reward, flags, policy_version);
   ++next_frame_;
   if (builder_.frames() >= chunk_frames_) FlushChunk();
 }

@@ -44,8 +44,8 @@ class ExperienceWriter final : public ExperienceSink {
   ~ExperienceWriter() override;
 
   void BeginEpisode(uint64_t episode) override;
-  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
-                     uint32_t policy_version) override;
+  void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
+                     uint8_t flags, uint32_t policy_version) override;
   void AddFinal(const Observation& observation) override;
   void EndEpisode() override;
   // True while the backlog holds actor.max_unacknowledged_bytes, or while a replay is there that has been

@@ -74,7 +74,7 @@ Result<PolicySetup> LoadLearnedPolicy(const std::filesystem::path& path, const C
   setup.config.task.decision_interval = file.config.task.decision_interval;
   setup.config.task.max_speed_mps = file.config.task.max_speed_mps;
   setup.config.algorithm.gamma = file.config.algorithm.gamma;
-  ActingPolicy acting(ObservationSpec::From(setup.config.observation), setup.config.model);
+  ActingPolicy acting(DrivingShape::From(setup.config.observation), setup.config.model);
   DADRL_RETURN_IF_ERROR(CheckLayout(file.policy(), path, acting.layout_hash(), acting.parameter_count()));
   DADRL_RETURN_IF_ERROR(acting.Load(file.policy().parameters));
   setup.policy = std::make_unique<LearnedPolicy>(std::move(acting));

@@ -6,21 +6,21 @@
 
 #include "actor/render/palette.h"
 #include "actor/sensing/birds_eye_view.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 namespace {
 
 using svg::Node;
 
-constexpr int kSize = ObservationSpec::kContextSize;
+constexpr int kSize = DrivingShape::kContextSize;
 constexpr size_t kMostPictures = 300;  // of a plane in one film: each is a kilobyte or two
 
 struct Plane {
   const char* words;
   const char* colour;
 };
-constexpr std::array<Plane, ObservationSpec::kContextPlanes> kPlanes = {
+constexpr std::array<Plane, DrivingShape::kContextPlanes> kPlanes = {
     {{"drivable area", colour::kMarking}, {"planned route", colour::kRoute}}};
 
 bool Pixel(const std::vector<uint8_t>& context, int plane, int row, int column) {

@@ -38,11 +38,11 @@ const SocialVehicle* VehicleAt(const WorldState& world, Point local) {
 // Row i of the observation's vehicles got `weights[i]`.
 std::vector<Attention> NameAttention(const DrivingEnvironment& environment, std::span<const float> weights) {
   std::vector<Attention> named;
-  const int history = environment.config().observation.history;
-  const std::vector<float>& rows = environment.observation().vehicles;
+  const DrivingShape shape = DrivingShape::From(environment.config().observation);
+  const std::span<const float> rows = environment.observation().floats(shape.vehicles_column);
   for (size_t i = 0; i < weights.size(); ++i) {
-    const size_t newest = (i + 1) * static_cast<size_t>(history) - 1;
-    const float* const row = rows.data() + newest * ObservationSpec::kVehicleFeatures;
+    const size_t newest = (i + 1) * static_cast<size_t>(shape.history) - 1;
+    const float* const row = rows.data() + newest * DrivingShape::kVehicleFeatures;
     if (row[0] > 0.5f) continue;  // absent
     const Point local{row[1] * feature::kPosition, row[2] * feature::kPosition};
     if (const SocialVehicle* vehicle = VehicleAt(environment.world(), local)) {
@@ -57,7 +57,9 @@ Moment Capture(const DrivingEnvironment& environment) {
   moment.world = environment.world();
   moment.events = environment.last_step().events;
   moment.reward = environment.last_step().terms;
-  moment.context = environment.observation().context;
+  const DrivingShape shape = DrivingShape::From(environment.config().observation);
+  const std::span<const uint8_t> context = environment.observation().bits(shape.context_column);
+  moment.context.assign(context.begin(), context.end());
   return moment;
 }
 

@@ -32,7 +32,7 @@ struct Moment {
   RewardTerms reward_so_far;            // of all steps until here
   std::optional<DriveCommand> command;  // in force from here on; none where SUMO drives
   std::vector<Attention> attention;     // of the last decision; empty without a learned policy
-  std::vector<uint8_t> context;         // Observation::context
+  std::vector<uint8_t> context;         // column `context` of the observation
 };
 
 // Immutable once recorded.

@@ -11,8 +11,8 @@
 namespace dadrl {
 namespace {
 
-constexpr int kSize = ObservationSpec::kContextSize;
-constexpr size_t kPlaneBytes = ObservationSpec::kContextBytes / ObservationSpec::kContextPlanes;
+constexpr int kSize = DrivingShape::kContextSize;
+constexpr size_t kPlaneBytes = DrivingShape::kContextBytes / DrivingShape::kContextPlanes;
 constexpr double kCellMetres = DrivableArea::kCellMetres;
 // Half the diagonal of a view.
 constexpr double kReach = 0.5 * kViewSide * std::numbers::sqrt2;
@@ -28,7 +28,7 @@ BirdsEyeView::BirdsEyeView(const RoadMap& map, const Route& route)
     : route_(route), drivable_(map, route, kReach, kPixelCells), route_plane_(kSize, kSize) {}
 
 void BirdsEyeView::Draw(const Pose& ego, double route_s, std::span<uint8_t> out) {
-  assert(out.size() == ObservationSpec::kContextBytes);
+  assert(out.size() == DrivingShape::kContextBytes);
   DrawDrivable(ego, out.first(kPlaneBytes));
   DrawRoute(ego, route_s, out.last(kPlaneBytes));
 }

@@ -9,13 +9,13 @@
 #include "actor/sim/geometry.h"
 #include "actor/sim/road_map.h"
 #include "actor/sim/route.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 
 // Side of the square that a plane shows, metres; the ego is its centre, its heading is up.
 constexpr double kViewSide = 50.0;
-constexpr double kPixelMetres = kViewSide / ObservationSpec::kContextSize;
+constexpr double kPixelMetres = kViewSide / DrivingShape::kContextSize;
 constexpr double kRouteHalfWidth = 1.0;
 constexpr double kRouteAhead = 32.0;
 
@@ -25,7 +25,7 @@ class BirdsEyeView {
  public:
   BirdsEyeView(const RoadMap& map, const Route& route);
 
-  // Overwrites `out` (ObservationSpec::kContextBytes, the layout of Observation::context): plane 0 the union
+  // Overwrites `out` (DrivingShape::kContextBytes, the layout of DrivingShape): plane 0 the union
   // of lanes and junctions, to 0.2 m; plane 1 all points within 1 m of the route between `route_s` and
   // 32 m beyond. A pixel shows the point at its centre: pixel (row, column) is
   // 25 m - (row + 1/2) * 50/128 m ahead and 25 m - (column + 1/2) * 50/128 m to the left.

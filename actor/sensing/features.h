@@ -23,13 +23,13 @@
 //  18 goal y    to the left of the ego now     / 50 m
 //  19 remaining fraction of the route, in [0, 1]
 //
-// Every value is clamped to ObservationSpec::kFeatureBound: inside the range and the resolution of half
+// Every value is clamped to DrivingShape::kFeatureBound: inside the range and the resolution of half
 // floats.
 #pragma once
 
 #include <algorithm>
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl::feature {
 
@@ -42,7 +42,7 @@ constexpr double kAcceleration = 5.0;
 constexpr double kJerk = 20.0;
 constexpr double kAngularAcceleration = 5.0;
 constexpr double kGoal = 50.0;
-constexpr double kBound = ObservationSpec::kFeatureBound;
+constexpr double kBound = DrivingShape::kFeatureBound;
 
 inline float Scaled(double value, double scale) {
   return static_cast<float>(std::clamp(value / scale, -kBound, kBound));

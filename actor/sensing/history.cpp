@@ -4,13 +4,13 @@
 #include <cassert>
 
 #include "actor/sensing/features.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 namespace {
 
-constexpr int kVehicleFeatures = ObservationSpec::kVehicleFeatures;
-constexpr int kEgoFeatures = ObservationSpec::kEgoFeatures;
+constexpr int kVehicleFeatures = DrivingShape::kVehicleFeatures;
+constexpr int kEgoFeatures = DrivingShape::kEgoFeatures;
 void WriteAbsent(float* row, int features) {
   std::fill_n(row, features, 0.0f);
   row[0] = 1.0f;

@@ -5,7 +5,8 @@
 #include "actor/sensing/history.h"
 #include "actor/sensing/localization.h"
 #include "common/config/config.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
+#include "common/step/observation.h"
 
 namespace dadrl {
 
@@ -13,7 +14,7 @@ namespace dadrl {
 class Sensor {
  public:
   Sensor(const RoadMap& map, const Route& route, const ObservationConfig& config)
-      : route_(route), history_(config), view_(map, route) {}
+      : shape_(DrivingShape::From(config)), route_(route), history_(config), view_(map, route) {}
 
   // An episode starts.
   void Reset() { history_.Clear(); }
@@ -23,14 +24,16 @@ class Sensor {
     ego_ = world.ego.pose;
     route_s_ = location.route_s;
   }
-  // The scene updated last, into an observation of this configuration's spec; allocates nothing.
+  // The scene updated last, into an observation of this configuration's spec, a line a column; allocates
+  // nothing.
   void Observe(Observation& out) {
-    history_.WriteVehicles(out.vehicles);
-    history_.WriteEgo(route_.goal(), out.ego);
-    view_.Draw(ego_, route_s_, out.context);
+    history_.WriteVehicles(out.floats(shape_.vehicles_column));
+    history_.WriteEgo(route_.goal(), out.floats(shape_.ego_column));
+    view_.Draw(ego_, route_s_, out.bits(shape_.context_column));
   }
 
  private:
+  const DrivingShape shape_;
   const Route& route_;
   History history_;
   BirdsEyeView view_;

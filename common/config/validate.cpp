@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 namespace {
@@ -14,7 +14,7 @@ constexpr double kMostInsertsPerBatch = 1e6;
 constexpr int64_t kLeastFrameBytes = 64;
 
 int64_t ObservationFloats(const Config& config) {
-  const ObservationSpec spec = ObservationSpec::From(config.observation);
+  const DrivingShape spec = DrivingShape::From(config.observation);
   return spec.vehicle_floats() + spec.ego_floats();
 }
 
@@ -63,7 +63,7 @@ Status CheckBatch(const Config& config) {
   }
   // Now and next, incompressible.
   const int64_t float_bytes = config.actor.floats == FloatCoding::kFloat32 ? 4 : 2;
-  constexpr int64_t kPlanes = ObservationSpec::kContextBytes + 64;
+  constexpr int64_t kPlanes = DrivingShape::kContextBytes + 64;
   const int64_t bytes = int64_t{batch} * 2 * (ObservationFloats(config) * float_bytes + kPlanes);
   if (bytes <= kMaxBatchBytes) return {};
   return Fail(

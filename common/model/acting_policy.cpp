@@ -45,7 +45,7 @@ nn::Arena ArenaFor(const PolicyNetwork& network, const ModelConfig& model) {
 }  // namespace
 
 struct ActingPolicy::Impl {
-  Impl(const ObservationSpec& spec, const ModelConfig& model_config)
+  Impl(const DrivingShape& spec, const ModelConfig& model_config)
       : model(model_config),
         network(spec, model),
         kernels(nn::LaneKernelsFor(nn::ActiveIsa())),
@@ -87,16 +87,17 @@ void ActingPolicy::Impl::Encode(const Observation& observation) {
   if (stack.stae) {
     stack.stae->Forward(kernels, observation, stack.features, details.attention);
   } else {
-    float* rest = std::copy(observation.ego.begin(), observation.ego.end(), stack.features);
-    std::copy(observation.vehicles.begin(), observation.vehicles.end(), rest);
+    const DrivingShape& shape = network.encoder.spec;
+    float* rest = std::ranges::copy(observation.floats(shape.ego_column), stack.features).out;
+    std::ranges::copy(observation.floats(shape.vehicles_column), rest);
   }
   if (!network.encoder.context) return;
-  conv.Forward(observation.context.data(), stack.pooled);
+  conv.Forward(observation.bits(network.encoder.spec.context_column).data(), stack.pooled);
   stack.context_output.Apply(kernels, stack.pooled, stack.features + network.encoder.vehicle_features(),
                              true);
 }
 
-ActingPolicy::ActingPolicy(const ObservationSpec& spec, const ModelConfig& model)
+ActingPolicy::ActingPolicy(const DrivingShape& spec, const ModelConfig& model)
     : impl_(std::make_unique<Impl>(spec, model)) {}
 ActingPolicy::~ActingPolicy() = default;
 ActingPolicy::ActingPolicy(ActingPolicy&&) noexcept = default;

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
+#include "common/step/observation.h"
 #include "common/util/random.h"
 #include "common/util/result.h"
 
@@ -18,7 +19,7 @@ namespace dadrl {
 // Not thread safe; owns all its memory, allocates nothing in Act.
 class ActingPolicy {
  public:
-  ActingPolicy(const ObservationSpec& spec, const ModelConfig& model);
+  ActingPolicy(const DrivingShape& spec, const ModelConfig& model);
   ~ActingPolicy();
   ActingPolicy(ActingPolicy&&) noexcept;
   ActingPolicy& operator=(ActingPolicy&&) noexcept;

@@ -13,8 +13,8 @@ namespace {
 constexpr int kUnits = Stae::kUnits;
 constexpr int kPadded = 64;  // units in whole vectors; the padding's state stays zero
 constexpr int kGates = 4 * kPadded;
-constexpr int kInputs = ObservationSpec::kVehicleFeatures;
-constexpr int kEgo = ObservationSpec::kEgoFeatures;
+constexpr int kInputs = DrivingShape::kVehicleFeatures;
+constexpr int kEgo = DrivingShape::kEgoFeatures;
 constexpr int kRows = 4;  // sequences are processed in multiples of this, which the product's tiles like
 
 float Dot(const float* a, const float* b) {
@@ -35,7 +35,7 @@ void LayerNorm(const float* input, float* output) {
 
 }  // namespace
 
-ActingStae::ActingStae(nn::Arena& arena, const ObservationSpec& spec)
+ActingStae::ActingStae(nn::Arena& arena, const DrivingShape& spec)
     : spec_(spec),
       recurrent_(arena.Allocate(size_t{kUnits + kInputs} * kGates)),
       gate_bias_(arena.Allocate(kGates)),
@@ -87,16 +87,19 @@ void ActingStae::Forward(const nn::LaneKernels& kernels, const Observation& obse
                          std::vector<float>& attention) {
   Encode(kernels, observation);
   Attend(kernels, attention);
-  std::memcpy(joined_, observation.ego.data() + (spec_.history - 1) * kEgo, kEgo * sizeof(float));
+  std::memcpy(joined_, observation.floats(spec_.ego_column).data() + (spec_.history - 1) * kEgo,
+              kEgo * sizeof(float));
   joined_output_.Apply(kernels, joined_, features, true);
 }
 
 // hidden_ [sequences][64]: the last states of the ego and of the present vehicles.
 void ActingStae::Encode(const nn::LaneKernels& kernels, const Observation& observation) {
   const int vehicle = spec_.history * kInputs;
+  const float* const vehicles = observation.floats(spec_.vehicles_column).data();
+  const float* const ego = observation.floats(spec_.ego_column).data();
   present_.clear();
   for (int v = 0; v < spec_.vehicles; ++v) {
-    const float absent = observation.vehicles[static_cast<size_t>((v + 1) * vehicle - kInputs)];
+    const float absent = vehicles[(v + 1) * vehicle - kInputs];
     if (!(absent > 0.5f)) present_.push_back(v);
   }
   sequences_ = 1 + static_cast<int>(present_.size());
@@ -106,8 +109,7 @@ void ActingStae::Encode(const nn::LaneKernels& kernels, const Observation& obser
       std::memcpy(gates_ + s * kGates, gate_bias_, kGates * sizeof(float));
       if (s >= sequences_) continue;
       const float* input =
-          s == 0 ? observation.ego.data() + t * kEgo
-                 : observation.vehicles.data() + present_[static_cast<size_t>(s - 1)] * vehicle + t * kInputs;
+          s == 0 ? ego + t * kEgo : vehicles + present_[static_cast<size_t>(s - 1)] * vehicle + t * kInputs;
       float* joined = joined_input_ + s * kPadded;
       if (t > 0) std::memcpy(joined, hidden_ + s * kPadded, kUnits * sizeof(float));
       std::memcpy(joined + kUnits, input, kInputs * sizeof(float));

@@ -12,7 +12,7 @@ namespace dadrl {
 // not even read. Arena memory; not thread safe.
 class ActingStae {
  public:
-  ActingStae(nn::Arena& arena, const ObservationSpec& spec);
+  ActingStae(nn::Arena& arena, const DrivingShape& spec);
 
   void Pack(const Stae& stae, const float* parameters);
   // features [128]; attention [vehicles], zero for the absent.
@@ -23,7 +23,7 @@ class ActingStae {
   void Encode(const nn::LaneKernels& kernels, const Observation& observation);
   void Attend(const nn::LaneKernels& kernels, std::vector<float>& attention);
 
-  ObservationSpec spec_;
+  DrivingShape spec_;
   int sequences_ = 0;           // of this observation: the ego and the present vehicles
   std::vector<int> present_;    // their vehicle indices
   float* recurrent_ = nullptr;  // [56 hidden + 7 inputs][4 gates of 64]

@@ -36,7 +36,7 @@ nn::Arena ArenaFor(const CriticNetwork& network) {
 }  // namespace
 
 struct CriticValues::Impl {
-  Impl(const ObservationSpec& spec, const ModelConfig& model)
+  Impl(const DrivingShape& spec, const ModelConfig& model)
       : network(spec, model),
         kernels(nn::LaneKernelsFor(nn::ActiveIsa())),
         arena(ArenaFor(network)),
@@ -48,10 +48,10 @@ struct CriticValues::Impl {
   nn::Arena arena;
   Block block;
   nn::FloatBuffer parameters;
-  std::array<uint8_t, size_t{kLanes} * ObservationSpec::kContextBytes> context{};
+  std::array<uint8_t, size_t{kLanes} * DrivingShape::kContextBytes> context{};
 };
 
-CriticValues::CriticValues(const ObservationSpec& spec, const ModelConfig& model)
+CriticValues::CriticValues(const DrivingShape& spec, const ModelConfig& model)
     : impl_(std::make_unique<Impl>(spec, model)) {}
 CriticValues::~CriticValues() = default;
 
@@ -72,16 +72,16 @@ Status CriticValues::Load(std::span<const float> parameters) {
   return {};
 }
 
-void CriticValues::Evaluate(const ObservationBatch& observations, std::span<const float> actions,
-                            std::span<float> q1, std::span<float> q2) {
+void CriticValues::Evaluate(ColumnRows observations, std::span<const float> actions, std::span<float> q1,
+                            std::span<float> q2) {
   Impl& impl = *impl_;
   Block& block = impl.block;
   const int features = impl.network.encoder.features();
-  for (int first = 0; first < observations.size; first += kLanes) {
-    const int count = std::min(kLanes, observations.size - first);
-    const auto planes = std::span(observations.context)
-                            .subspan(static_cast<size_t>(first) * ObservationSpec::kContextBytes,
-                                     static_cast<size_t>(count) * ObservationSpec::kContextBytes);
+  const std::span<const uint8_t> context = observations.bits(impl.network.encoder.spec.context_column);
+  for (int first = 0; first < observations.rows(); first += kLanes) {
+    const int count = std::min(kLanes, observations.rows() - first);
+    const auto planes = context.subspan(static_cast<size_t>(first) * DrivingShape::kContextBytes,
+                                        static_cast<size_t>(count) * DrivingShape::kContextBytes);
     std::ranges::fill(std::ranges::copy(planes, impl.context.begin()).out, impl.context.end(), uint8_t{0});
     block.observations.Pack(impl.kernels, observations, impl.context.data(), first / kLanes);
     EncoderForward(impl.kernels, impl.network.encoder, impl.parameters.data(), block.observations,

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "common/config/config.h"
-#include "common/model/observation.h"
 #include "common/nn/param_layout.h"
+#include "common/step/driving_shape.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -14,7 +14,7 @@ namespace dadrl {
 // The critics' networks on batches of any size, in blocks of sixteen. Not thread safe.
 class CriticValues {
  public:
-  CriticValues(const ObservationSpec& spec, const ModelConfig& model);
+  CriticValues(const DrivingShape& spec, const ModelConfig& model);
   ~CriticValues();
 
   const nn::ParamLayout& layout() const;
@@ -23,8 +23,8 @@ class CriticValues {
   // one is not finite.
   Status Load(std::span<const float> parameters);
 
-  // q1 and q2 [size] of `observations` and their `actions` [size, 2]. Requires a Load.
-  void Evaluate(const ObservationBatch& observations, std::span<const float> actions, std::span<float> q1,
+  // q1 and q2 [rows] of `observations` and their `actions` [rows, 2]. Requires a Load.
+  void Evaluate(ColumnRows observations, std::span<const float> actions, std::span<float> q1,
                 std::span<float> q2);
 
  private:

@@ -6,7 +6,7 @@ namespace dadrl {
 
 using nn::kLanes;
 
-Encoder Encoder::Add(nn::ParamLayout& layout, const std::string& prefix, const ObservationSpec& spec,
+Encoder Encoder::Add(nn::ParamLayout& layout, const std::string& prefix, const DrivingShape& spec,
                      const ModelConfig& model) {
   Encoder encoder;
   encoder.spec = spec;

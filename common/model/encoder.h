@@ -11,13 +11,13 @@ namespace dadrl {
 // [vehicle part, context part]: 128 features of the STAE, or without it (model.stae false) the raw ego and
 // vehicle tensors; then 128 of the context encoder, or without it nothing.
 struct Encoder {
-  static Encoder Add(nn::ParamLayout& layout, const std::string& prefix, const ObservationSpec& spec,
+  static Encoder Add(nn::ParamLayout& layout, const std::string& prefix, const DrivingShape& spec,
                      const ModelConfig& model);
 
   int features() const { return vehicle_features() + (context ? ContextEncoder::kFeatures : 0); }
   int vehicle_features() const { return stae ? Stae::kFeatures : spec.ego_floats() + spec.vehicle_floats(); }
 
-  ObservationSpec spec;
+  DrivingShape spec;
   std::optional<Stae> stae;
   std::optional<ContextEncoder> context;
 };

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "common/model/observation.h"
 #include "common/nn/aligned_buffer.h"
 #include "common/nn/linear.h"
+#include "common/step/driving_shape.h"
 
 namespace dadrl {
 
@@ -13,17 +13,16 @@ namespace dadrl {
 // borrowed from the batch. Samples beyond the batch's size are zero.
 struct LaneObservations {
   LaneObservations() = default;
-  LaneObservations(nn::Arena& arena, const ObservationSpec& spec, int blocks);
+  LaneObservations(nn::Arena& arena, const DrivingShape& spec, int blocks);
 
   // Takes samples [16 first_block, 16 (first_block + blocks)) of `batch`. `context` holds those samples'
   // planes, whole blocks of them.
-  void Pack(const nn::LaneKernels& kernels, const ObservationBatch& batch, const uint8_t* context,
-            int first_block);
+  void Pack(const nn::LaneKernels& kernels, ColumnRows batch, const uint8_t* context, int first_block);
 
   // [blocks][20][16], the newest row of `ego`.
   nn::LaneSpan ego_now() const;
 
-  ObservationSpec spec;
+  DrivingShape spec;
   int blocks = 0;
   float* ego = nullptr;  // [blocks][history][20][16]
   float* sequences =
@@ -33,9 +32,9 @@ struct LaneObservations {
 };
 
 // Floats before `vehicles` in `ego` and in one block of `sequences`.
-inline ptrdiff_t EgoBlock(const ObservationSpec& spec) { return ptrdiff_t{spec.ego_floats()} * nn::kLanes; }
-inline ptrdiff_t SequenceFloats(const ObservationSpec& spec) {
-  return ptrdiff_t{spec.history} * ObservationSpec::kVehicleFeatures * nn::kLanes;
+inline ptrdiff_t EgoBlock(const DrivingShape& spec) { return ptrdiff_t{spec.ego_floats()} * nn::kLanes; }
+inline ptrdiff_t SequenceFloats(const DrivingShape& spec) {
+  return ptrdiff_t{spec.history} * DrivingShape::kVehicleFeatures * nn::kLanes;
 }
 
 }  // namespace dadrl

@@ -2,14 +2,14 @@
 
 namespace dadrl {
 
-PolicyNetwork::PolicyNetwork(const ObservationSpec& spec, const ModelConfig& model)
+PolicyNetwork::PolicyNetwork(const DrivingShape& spec, const ModelConfig& model)
     : encoder(Encoder::Add(layout, "encoder", spec, model)) {
   encoder_range = {0, layout.size()};
   head = Mlp::Add(layout, "policy", encoder.features(), model.hidden, 2 * kActionSize, false);
   head_range = {encoder_range.count, layout.size() - encoder_range.count};
 }
 
-CriticNetwork::CriticNetwork(const ObservationSpec& spec, const ModelConfig& model)
+CriticNetwork::CriticNetwork(const DrivingShape& spec, const ModelConfig& model)
     : encoder(Encoder::Add(layout, "encoder", spec, model)) {
   encoder_range = {0, layout.size()};
   const int inputs = encoder.features() + kActionSize;

@@ -10,7 +10,7 @@ namespace dadrl {
 // Observation to the policy's mean and log standard deviation. Actors run it, broadcasts and policy files
 // hold its parameters: "encoder.*", then "policy.*".
 struct PolicyNetwork {
-  PolicyNetwork(const ObservationSpec& spec, const ModelConfig& model);
+  PolicyNetwork(const DrivingShape& spec, const ModelConfig& model);
 
   nn::ParamLayout layout;
   Encoder encoder;
@@ -21,7 +21,7 @@ struct PolicyNetwork {
 
 // Observation and action to two values: "encoder.*", "critic1.*", "critic2.*". Targets have the same layout.
 struct CriticNetwork {
-  CriticNetwork(const ObservationSpec& spec, const ModelConfig& model);
+  CriticNetwork(const DrivingShape& spec, const ModelConfig& model);
 
   nn::ParamLayout layout;
   Encoder encoder;

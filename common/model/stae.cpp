@@ -9,16 +9,15 @@ using nn::LaneSpan;
 
 namespace {
 
-constexpr int kEgo = ObservationSpec::kEgoFeatures;
+constexpr int kEgo = DrivingShape::kEgoFeatures;
 
 int Sequences(const Stae& stae) { return 1 + stae.attention.vehicles; }
 
 }  // namespace
 
-Stae Stae::Add(nn::ParamLayout& layout, const std::string& prefix, const ObservationSpec& spec) {
+Stae Stae::Add(nn::ParamLayout& layout, const std::string& prefix, const DrivingShape& spec) {
   Stae stae;
-  stae.lstm =
-      nn::Lstm::Add(layout, prefix + ".lstm", ObservationSpec::kVehicleFeatures, kUnits, spec.history);
+  stae.lstm = nn::Lstm::Add(layout, prefix + ".lstm", DrivingShape::kVehicleFeatures, kUnits, spec.history);
   stae.attention = nn::Attention::Add(layout, prefix + ".attention", kUnits, spec.vehicles);
   stae.output = nn::Linear::Add(layout, prefix + ".output", kEgo + kUnits, kFeatures);
   return stae;

@@ -14,7 +14,7 @@ struct Stae {
   static constexpr int kUnits = 56;
   static constexpr int kFeatures = 128;
 
-  static Stae Add(nn::ParamLayout& layout, const std::string& prefix, const ObservationSpec& spec);
+  static Stae Add(nn::ParamLayout& layout, const std::string& prefix, const DrivingShape& spec);
 
   nn::Lstm lstm;
   nn::Attention attention;

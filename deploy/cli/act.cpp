@@ -19,9 +19,8 @@ struct ActOptions {
 Result<int> RunAct(const ActOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::string file, ResolvePolicy(options.policy));
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(file));
-  DADRL_ASSIGN_OR_RETURN(
-      const ObservationBatch observations,
-      LoadRecordedObservations(options.observations, ObservationSpec::From(policy.config.observation)));
+  DADRL_ASSIGN_OR_RETURN(const Columns observations,
+                         LoadRecordedObservations(options.observations, DrivingStepSpec(policy.config)));
   DADRL_ASSIGN_OR_RETURN(const ActReport report, ActOn(observations, policy, options.policy));
   if (options.json) {
     fmt::print("{}\n", ActJson(report));

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "proto/sample_batch.h"
-
 namespace dadrl {
 namespace {
 
@@ -15,7 +13,7 @@ constexpr uint64_t kOnlyIncarnation = 1;
 TableSink::TableSink(const Config& config, ReplayTable& table)
     : chunk_frames_(config.actor.chunk_frames),
       table_(table),
-      builder_(ObservationSpec::From(config.observation), config.actor.floats) {}
+      builder_(DrivingStepSpec(config), config.actor.floats) {}
 
 void TableSink::BeginEpisode(uint64_t episode) {
   episode_ = episode;
@@ -23,9 +21,9 @@ void TableSink::BeginEpisode(uint64_t episode) {
   builder_.Begin(episode_, next_frame_);
 }
 
-void TableSink::AddTransition(const Observation& observation, const Action& action, float reward,
+void TableSink::AddTransition(const Observation& observation, std::span<const float> decision, float reward,
                               uint8_t flags, uint32_t policy_version) {
-  builder_.AddTransition(observation, action, reward, flags, policy_version);
+  builder_.AddTransition(observation, decision, reward, flags, policy_version);
   ++next_frame_;
   if (builder_.frames() >= chunk_frames_ || builder_.full()) Flush();
 }
@@ -52,32 +50,27 @@ void TableSink::Flush() {
   }
 }
 
-TableBatchSource::TableBatchSource(const Config& config, ReplayTable& table)
-    : algorithm_(config.algorithm),
-      bounds_(ExperienceBounds::From(config)),
-      table_(table),
-      codec_(ObservationSpec::From(config.observation), config.actor.floats),
-      batch_(ObservationSpec::From(config.observation), config.algorithm.batch_size) {}
+TableBatchSource::TableBatchSource(const Config& config, const TrajectoryShape& shape, ReplayTable& table)
+    : table_(table),
+      decoder_(DrivingStepSpec(config), ExperienceBounds::From(config)),
+      batch_(DrivingStepSpec(config), shape) {}
 
-TransitionBatch* TableBatchSource::Take(Duration) {
+TrajectoryBatch* TableBatchSource::Take(Duration) {
   if (!status_) return nullptr;
-  const auto count = static_cast<size_t>(algorithm_.batch_size);
-  if (table_.MaySample(count) != RateLimiter::Hold::kNone) return nullptr;
+  if (table_.MaySample(batch_.shape) != RateLimiter::Hold::kNone) return nullptr;
   status_ = Fill();
   return status_ ? &batch_ : nullptr;
 }
 
 Status TableBatchSource::Fill() {
-  DADRL_ASSIGN_OR_RETURN(const SampledBatch sampled,
-                         table_.Sample(static_cast<size_t>(algorithm_.batch_size), algorithm_.n_step, 0));
-  const std::vector<std::byte> bytes = EncodeSampleBatch(sampled.items, table_.schema());
-  return DecodeSampleBatch(bytes, table_.schema(), algorithm_.gamma, bounds_, codec_, batch_);
+  DADRL_ASSIGN_OR_RETURN(const SampledBatch sampled, table_.Sample(batch_.shape, 0));
+  return decoder_.Decode(EncodeTrajectories(sampled.trajectories, batch_.shape, table_.schema()), batch_);
 }
 
-void TableBatchSource::Release(TransitionBatch*) {}
+void TableBatchSource::Release(TrajectoryBatch*) {}
 
-void TableBatchSource::UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) {
-  table_.UpdatePriorities(batch.key, td_error);
+void TableBatchSource::UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) {
+  table_.UpdatePriorities(batch.keys, td_error);
 }
 
 void PolicyRelay::Publish(const PolicyUpdate& update) {

@@ -7,10 +7,11 @@
 
 #include "actor/experience/experience_sink.h"
 #include "common/config/config.h"
-#include "common/model/transition_batch.h"
+#include "common/step/driving_shape.h"
 #include "learner/batch_source.h"
 #include "learner/policy_publisher.h"
 #include "proto/experience.h"
+#include "proto/trajectory_codec.h"
 #include "replay/table.h"
 
 namespace dadrl {
@@ -21,8 +22,8 @@ class TableSink final : public ExperienceSink {
   // Borrows `table`.
   TableSink(const Config& config, ReplayTable& table);
   void BeginEpisode(uint64_t episode) override;
-  void AddTransition(const Observation& observation, const Action& action, float reward, uint8_t flags,
-                     uint32_t policy_version) override;
+  void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
+                     uint8_t flags, uint32_t policy_version) override;
   void AddFinal(const Observation& observation) override;
   void EndEpisode() override;
   bool blocked() const override { return false; }
@@ -43,25 +44,23 @@ class TableSink final : public ExperienceSink {
 
 // Batches straight from the table, through the same codec as over the network. The first failure is kept and
 // ends the training.
-class TableBatchSource final : public BatchSource<TransitionBatch> {
+class TableBatchSource final : public BatchSource {
  public:
   // Borrows `table`.
-  TableBatchSource(const Config& config, ReplayTable& table);
+  TableBatchSource(const Config& config, const TrajectoryShape& shape, ReplayTable& table);
   // Null until the table may be sampled; never waits.
-  TransitionBatch* Take(Duration timeout) override;
-  void Release(TransitionBatch* batch) override;
-  void UpdatePriorities(const TransitionBatch& batch, std::span<const float> td_error) override;
+  TrajectoryBatch* Take(Duration timeout) override;
+  void Release(TrajectoryBatch* batch) override;
+  void UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) override;
   Activity waiting_for() const override { return Activity::kWaitForInserts; }
   Status status() const override { return status_; }
 
  private:
   Status Fill();
 
-  const AlgorithmConfig algorithm_;
-  const ExperienceBounds bounds_;
   ReplayTable& table_;
-  FrameCodec codec_;
-  TransitionBatch batch_;
+  TrajectoryDecoder decoder_;
+  TrajectoryBatch batch_;
   Status status_;
 };
 

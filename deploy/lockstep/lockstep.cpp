@@ -43,7 +43,7 @@ Status CheckEnds(const Config& config) {
 
 TableOptions InMemoryTable(const Config& config) {
   return {.directory = {},
-          .schema = SchemaHash(ObservationSpec::From(config.observation)),
+          .spec = DrivingStepSpec(config),
           .replay = config.replay,
           .n_step = config.algorithm.n_step,
           .seed = DeriveSeed(config.seed, kReplaySeedIndex),
@@ -64,8 +64,8 @@ class Lockstep {
         table_(std::move(table)),
         checkpoints_(std::move(store), clock_),
         sink_(config, *table_),
-        batches_(config, *table_),
-        policy_(ObservationSpec::From(config.observation), config.model),
+        batches_(config, algorithm_->batch_shape(), *table_),
+        policy_(DrivingShape::From(config.observation), config.model),
         trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
         collector_(config,
                    {.environment = *environment_,

@@ -11,13 +11,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void CopyOut(const ObservationBatch& batch, size_t index, Observation& observation) {
-  const auto take = [&](const auto& from, auto& to) {
-    std::copy_n(from.begin() + static_cast<ptrdiff_t>(index * to.size()), to.size(), to.begin());
-  };
-  take(batch.vehicles, observation.vehicles);
-  take(batch.ego, observation.ego);
-  take(batch.context, observation.context);
+void CopyOut(const Columns& batch, int index, Observation& observation) {
+  const ColumnRows row(batch, index, 1);
+  for (size_t i = 0; i < batch.columns(); ++i) {
+    std::ranges::copy(row.floats(i), observation.floats(i).begin());
+    std::ranges::copy(row.bits(i), observation.bits(i).begin());
+  }
 }
 
 // Says which file the networks did not take.
@@ -27,16 +26,16 @@ tl::unexpected<Error> Named(const std::filesystem::path& path, const Status& sta
 
 }  // namespace
 
-Result<ActReport> ActOn(const ObservationBatch& observations, const PolicyFile& policy,
+Result<ActReport> ActOn(const Columns& observations, const PolicyFile& policy,
                         const std::filesystem::path& path) {
-  const ObservationSpec spec = ObservationSpec::From(policy.config.observation);
+  const DrivingShape spec = DrivingShape::From(policy.config.observation);
   ActingPolicy acting(spec, policy.config.model);
   DADRL_RETURN_IF_ERROR(CheckLayout(policy.policy(), path, acting.layout_hash(), acting.parameter_count()));
   if (const Status loaded = acting.Load(policy.policy().parameters); !loaded) return Named(path, loaded);
   ActReport report;
   Observation observation(spec);
   std::vector<float> actions;
-  for (size_t i = 0; i < static_cast<size_t>(observations.size); ++i) {
+  for (int i = 0; i < observations.rows(); ++i) {
     CopyOut(observations, i, observation);
     report.action.push_back(acting.Act(observation, nullptr));
     report.mean.push_back(acting.last().mean);

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/model/observation.h"
 #include "common/model/policy_file.h"
+#include "common/step/driving_shape.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -22,7 +22,7 @@ struct ActReport {
 
 // The policy by the actors' single-observation path, the critics by the learner's batched one.
 // kInvalidArgument or kCorrupt when the file is of other networks or not finite; `path` names it.
-Result<ActReport> ActOn(const ObservationBatch& observations, const PolicyFile& policy,
+Result<ActReport> ActOn(const Columns& observations, const PolicyFile& policy,
                         const std::filesystem::path& path);
 
 // One JSON object; q1, q2 and attention are null where there are none.

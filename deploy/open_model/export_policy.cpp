@@ -46,7 +46,7 @@ Result<Json> ExportNetwork(const std::string& network, const nn::ParamLayout& la
 }
 
 Json Index(const PolicyFile& policy, const std::filesystem::path& source) {
-  const ObservationSpec spec = ObservationSpec::From(policy.config.observation);
+  const DrivingShape spec = DrivingShape::From(policy.config.observation);
   const ModelConfig& model = policy.config.model;
   return {{"format", kExportFormat},
           {"source", source.filename().string()},
@@ -68,7 +68,7 @@ Json Index(const PolicyFile& policy, const std::filesystem::path& source) {
 
 Status ExportPolicy(const PolicyFile& policy, const std::filesystem::path& source,
                     const std::filesystem::path& directory) {
-  const ObservationSpec spec = ObservationSpec::From(policy.config.observation);
+  const DrivingShape spec = DrivingShape::From(policy.config.observation);
   const PolicyNetwork policy_network(spec, policy.config.model);
   const CriticNetwork critic_network(spec, policy.config.model);
   DADRL_RETURN_IF_ERROR(

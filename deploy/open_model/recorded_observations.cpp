@@ -40,45 +40,57 @@ Status RequireFinite(const std::filesystem::path& path, const NpyArray<float>& a
               path.string(), static_cast<size_t>(bad - array.values.begin()) / per_observation, *bad);
 }
 
-// Pixels 0 or 1 to bits, lowest first.
-Status PackBits(const std::filesystem::path& path, const std::vector<uint8_t>& pixels,
-                std::vector<uint8_t>& bits) {
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels[i] > 1) {
+// Zeros and ones to bits, lowest first.
+Status PackBits(const std::filesystem::path& path, const NpyArray<uint8_t>& array, std::span<uint8_t> bits) {
+  for (size_t i = 0; i < array.values.size(); ++i) {
+    if (array.values[i] > 1) {
       return Fail(ErrorCode::kInvalidArgument,
                   "{}: observation {} has a pixel of {}, only 0 and 1 are allowed", path.string(),
-                  i / (size_t{8} * ObservationSpec::kContextBytes), pixels[i]);
+                  i * array.shape.front() / array.values.size(), array.values[i]);
     }
-    bits[i / 8] |= static_cast<uint8_t>(pixels[i] << (i % 8));
+    bits[i / 8] |= static_cast<uint8_t>(array.values[i] << (i % 8));
   }
   return {};
 }
 
+// The values of one column of `batch`, which has as many rows as the file must have.
+Status LoadColumn(const std::filesystem::path& path, const ColumnSpec& column, size_t index, Columns& batch) {
+  const auto fits = [&](size_t rows) -> Status {
+    if (rows == static_cast<size_t>(batch.rows())) return {};
+    return Fail(ErrorCode::kInvalidArgument,
+                "{} holds {} observations, the first column {}: record them together", path.string(), rows,
+                batch.rows());
+  };
+  if (column.type == ElementType::kBit) {
+    DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<uint8_t>(path, column.shape));
+    DADRL_RETURN_IF_ERROR(fits(array.shape.front()));
+    return PackBits(path, array, batch.bits(index));
+  }
+  DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<float>(path, column.shape));
+  DADRL_RETURN_IF_ERROR(fits(array.shape.front()));
+  std::ranges::copy(array.values, batch.floats(index).begin());
+  return RequireFinite(path, array);
+}
+
+Result<size_t> Rows(const std::filesystem::path& path, const ColumnSpec& column) {
+  if (column.type == ElementType::kBit) {
+    DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<uint8_t>(path, column.shape));
+    return array.shape.front();
+  }
+  DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<float>(path, column.shape));
+  return array.shape.front();
+}
+
 }  // namespace
 
-Result<ObservationBatch> LoadRecordedObservations(const std::filesystem::path& directory,
-                                                  const ObservationSpec& spec) {
-  const auto vehicles_path = directory / "vehicles.npy";
-  const auto ego_path = directory / "ego.npy";
-  const auto context_path = directory / "context.npy";
-  constexpr int kSize = ObservationSpec::kContextSize;
-  DADRL_ASSIGN_OR_RETURN(auto vehicles, LoadArray<float>(vehicles_path, {spec.vehicles, spec.history,
-                                                                         ObservationSpec::kVehicleFeatures}));
-  DADRL_ASSIGN_OR_RETURN(auto ego, LoadArray<float>(ego_path, {spec.history, ObservationSpec::kEgoFeatures}));
-  DADRL_ASSIGN_OR_RETURN(const auto context,
-                         LoadArray<uint8_t>(context_path, {ObservationSpec::kContextPlanes, kSize, kSize}));
-  const size_t count = vehicles.shape.front();
-  if (ego.shape.front() != count || context.shape.front() != count) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "{}: vehicles.npy holds {} observations, ego.npy {}, context.npy {}: record them together",
-                directory.string(), count, ego.shape.front(), context.shape.front());
+Result<Columns> LoadRecordedObservations(const std::filesystem::path& directory, const StepSpec& spec) {
+  const auto file = [&](const ColumnSpec& column) { return directory / (column.name + ".npy"); };
+  DADRL_ASSIGN_OR_RETURN(const size_t rows, Rows(file(spec.observation.front()), spec.observation.front()));
+  Columns batch(spec, static_cast<int>(rows));
+  for (size_t i = 0; i < spec.observation.size(); ++i) {
+    const ColumnSpec& column = spec.observation[i];
+    DADRL_RETURN_IF_ERROR(LoadColumn(file(column), column, i, batch));
   }
-  DADRL_RETURN_IF_ERROR(RequireFinite(vehicles_path, vehicles));
-  DADRL_RETURN_IF_ERROR(RequireFinite(ego_path, ego));
-  ObservationBatch batch(spec, static_cast<int>(count));
-  DADRL_RETURN_IF_ERROR(PackBits(context_path, context.values, batch.context));
-  batch.vehicles = std::move(vehicles.values);
-  batch.ego = std::move(ego.values);
   return batch;
 }
 

@@ -9,8 +9,7 @@
 
 #include "common/config/config.h"
 #include "common/model/named_network.h"
-#include "common/model/observation.h"
-#include "common/model/transition_batch.h"
+#include "common/step/trajectory_batch.h"
 #include "common/util/result.h"
 
 namespace dadrl {
@@ -37,10 +36,13 @@ class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
-  // One training update. Same state and batch give the same bits for a given thread count.
-  // Errors are kInternal and name the tensor or loss that is not finite; the state is then unusable: reload a
-  // checkpoint. `td_error` ([batch], |error| of the critics' mean) is valid until the next Update.
-  virtual Result<UpdateStats> Update(const TransitionBatch& batch) = 0;
+  // What it trains on.
+  virtual TrajectoryShape batch_shape() const = 0;
+
+  // One training update, on a batch of that shape. Same state and batch give the same bits for a given thread
+  // count. Errors are kInternal and name the tensor or loss that is not finite; the state is then unusable:
+  // reload a checkpoint. `td_error` ([batch], |error| of the critics' mean) is valid until the next Update.
+  virtual Result<UpdateStats> Update(const TrajectoryBatch& batch) = 0;
   virtual std::span<const float> td_error() const = 0;
 
   // The policy that actors use, flat (see ActingPolicy): averaged or current as configured. Valid until

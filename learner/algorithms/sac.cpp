@@ -15,7 +15,7 @@ namespace {
 int Blocks(int samples) { return (samples + kLanes - 1) / kLanes; }
 
 std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& policy,
-                                         const CriticNetwork& critic, const ObservationSpec& spec, int blocks,
+                                         const CriticNetwork& critic, const DrivingShape& spec, int blocks,
                                          int threads) {
   const int share = (blocks + threads - 1) / threads;
   nn::Arena measure;
@@ -31,7 +31,7 @@ std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& 
 
 Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
     : config_(config),
-      spec_(ObservationSpec::From(config.observation)),
+      spec_(DrivingShape::From(config.observation)),
       policy_(spec_, config.model),
       critic_(spec_, config.model),
       kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
@@ -43,6 +43,7 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
       policy_moments_(policy_.layout.size()),
       critic_moments_(critic_.layout.size()),
       log_alpha_{.value = std::log(config.algorithm.initial_temperature)},
+      returns_(config.algorithm.gamma, config.algorithm.batch_size),
       noise_source_(noise ? std::move(noise) : std::make_unique<GaussianNoise>(DeriveSeed(config.seed, 3))),
       workspaces_(MakeWorkspaces(arena_, policy_, critic_, spec_, Blocks(config.algorithm.batch_size),
                                  config.learner.threads)),
@@ -58,7 +59,7 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
   next_noise_.resize(batch_size * kActionSize);
   now_noise_.resize(batch_size * kActionSize);
   td_error_.resize(batch_size);
-  const size_t context = nn::RoundUp(batch_size, kLanes) * ObservationSpec::kContextBytes;
+  const size_t context = nn::RoundUp(batch_size, kLanes) * DrivingShape::kContextBytes;
   padded_now_.resize(context);
   padded_next_.resize(context);
   for (SacWorkspace& workspace : workspaces_) {
@@ -91,50 +92,52 @@ std::vector<StateBlock> Sac::state() {
           {"random", noise_source_->state()}};
 }
 
-Status Sac::CheckBatch(const TransitionBatch& batch) const {
-  const auto size = static_cast<size_t>(std::max(batch.size, 0));
-  if (batch.size < 1 || batch.size > config_.algorithm.batch_size) {
+Status Sac::CheckBatch(const Transitions& batch) const {
+  if (batch.size() < 1 || batch.size() > config_.algorithm.batch_size) {
     return Fail(ErrorCode::kInvalidArgument, "batch of {} transitions: algorithm.batch_size allows 1 to {}",
-                batch.size, config_.algorithm.batch_size);
+                batch.size(), config_.algorithm.batch_size);
   }
-  const auto vehicles = size * static_cast<size_t>(spec_.vehicle_floats());
-  const auto ego = size * static_cast<size_t>(spec_.ego_floats());
-  const auto context = size * size_t{ObservationSpec::kContextBytes};
-  for (const ObservationBatch* observation : {&batch.observation, &batch.next_observation}) {
-    if (observation->vehicles.size() != vehicles || observation->ego.size() != ego ||
-        observation->context.size() != context) {
+  const auto rows = static_cast<size_t>(batch.size());
+  for (const ColumnRows& columns : {batch.observation, batch.next_observation}) {
+    if (columns.floats(spec_.vehicles_column).size() != rows * static_cast<size_t>(spec_.vehicle_floats()) ||
+        columns.floats(spec_.ego_column).size() != rows * static_cast<size_t>(spec_.ego_floats()) ||
+        columns.bits(spec_.context_column).size() != rows * size_t{DrivingShape::kContextBytes}) {
       return Fail(ErrorCode::kInvalidArgument,
                   "batch's observations do not fit observation.vehicles {} and observation.history {}",
                   spec_.vehicles, spec_.history);
     }
   }
-  const std::pair<const char*, const std::vector<float>*> tensors[] = {
-      {"observation.vehicles", &batch.observation.vehicles},
-      {"observation.ego", &batch.observation.ego},
-      {"next_observation.vehicles", &batch.next_observation.vehicles},
-      {"next_observation.ego", &batch.next_observation.ego},
-      {"action", &batch.action},
-      {"reward", &batch.reward},
-      {"discount", &batch.discount},
-      {"weight", &batch.weight}};
+  const std::pair<const char*, std::span<const float>> tensors[] = {
+      {"observation.vehicles", batch.observation.floats(spec_.vehicles_column)},
+      {"observation.ego", batch.observation.floats(spec_.ego_column)},
+      {"next_observation.vehicles", batch.next_observation.floats(spec_.vehicles_column)},
+      {"next_observation.ego", batch.next_observation.floats(spec_.ego_column)},
+      {"action", batch.action},
+      {"reward", batch.reward},
+      {"discount", batch.discount},
+      {"weight", batch.weight}};
   for (const auto& [name, values] : tensors) {
-    if (!nn::AllFinite(*values)) {
+    if (!nn::AllFinite(values)) {
       return Fail(ErrorCode::kInternal, "batch tensor {} has a value that is not finite", name);
     }
   }
   return {};
 }
 
-const uint8_t* Sac::WholeBlocks(const ObservationBatch& observations, std::vector<uint8_t>& padded) const {
-  if (observations.size % kLanes == 0) return observations.context.data();
-  std::ranges::fill(std::ranges::copy(observations.context, padded.begin()).out, padded.end(), uint8_t{0});
+const uint8_t* Sac::WholeBlocks(ColumnRows observations, std::vector<uint8_t>& padded) const {
+  const std::span<const uint8_t> context = observations.bits(spec_.context_column);
+  if (observations.rows() % kLanes == 0) return context.data();
+  std::ranges::fill(std::ranges::copy(context, padded.begin()).out, padded.end(), uint8_t{0});
   return padded.data();
 }
 
-Result<UpdateStats> Sac::Update(const TransitionBatch& batch) {
+Result<UpdateStats> Sac::Update(const TrajectoryBatch& batch) { return Update(returns_.Of(batch)); }
+
+Result<UpdateStats> Sac::Update(const Transitions& batch) {
   td_error_count_ = 0;
   DADRL_RETURN_IF_ERROR(CheckBatch(batch));
-  const size_t draws = static_cast<size_t>(batch.size) * kActionSize;
+  const int size = batch.size();
+  const size_t draws = static_cast<size_t>(size) * kActionSize;
   noise_source_->Fill(std::span(next_noise_).first(draws));
   noise_source_->Fill(std::span(now_noise_).first(draws));
   now_context_ = WholeBlocks(batch.observation, padded_now_);
@@ -142,8 +145,8 @@ Result<UpdateStats> Sac::Update(const TransitionBatch& batch) {
   alpha_ = std::exp(log_alpha_.value);
   auto work = [&](int member) { UpdateShare(batch, member); };
   team_.Run(work);
-  td_error_count_ = static_cast<size_t>(batch.size);
-  return Finish(batch.size);
+  td_error_count_ = static_cast<size_t>(size);
+  return Finish(size);
 }
 
 SacSums Sac::TotalSums() const {

@@ -8,6 +8,7 @@
 
 #include "common/nn/thread_team.h"
 #include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/n_step.h"
 #include "learner/algorithms/noise_source.h"
 #include "learner/algorithms/sac_workspace.h"
 
@@ -30,8 +31,13 @@ class Sac final : public Algorithm {
   // Draws its noise from `noise`, or from a generator seeded by config.seed if null.
   explicit Sac(const Config& config, std::unique_ptr<NoiseSource> noise = nullptr);
 
-  // Batches of up to algorithm.batch_size transitions; kInvalidArgument beyond, or with other shapes.
-  Result<UpdateStats> Update(const TransitionBatch& batch) override;
+  TrajectoryShape batch_shape() const override {
+    return {.count = config_.algorithm.batch_size, .steps = config_.algorithm.n_step};
+  }
+  // Batches of up to algorithm.batch_size trajectories; kInvalidArgument beyond.
+  Result<UpdateStats> Update(const TrajectoryBatch& batch) override;
+  // The update itself.
+  Result<UpdateStats> Update(const Transitions& batch);
   std::span<const float> td_error() const override { return {td_error_.data(), td_error_count_}; }
   std::span<const float> published_policy() const override;
   uint64_t layout_hash() const override { return policy_.layout.hash(); }
@@ -43,26 +49,26 @@ class Sac final : public Algorithm {
 
  private:
   // The four parts of an update, on one thread's share.
-  void PackShare(const TransitionBatch& batch, SacWorkspace& workspace, int member);
-  void TargetPass(const TransitionBatch& batch, SacWorkspace& workspace);
-  void CriticPass(const TransitionBatch& batch, SacWorkspace& workspace);
-  void ActorPass(const TransitionBatch& batch, SacWorkspace& workspace);
+  void PackShare(const Transitions& batch, SacWorkspace& workspace, int member);
+  void TargetPass(const Transitions& batch, SacWorkspace& workspace);
+  void CriticPass(const Transitions& batch, SacWorkspace& workspace);
+  void ActorPass(const Transitions& batch, SacWorkspace& workspace);
 
   // Everything one thread does in an update; all return together.
-  void UpdateShare(const TransitionBatch& batch, int member);
+  void UpdateShare(const Transitions& batch, int member);
   void StepCritic(int member);
   void StepPolicy(int member);
   SacSums TotalSums() const;
   bool AllStepsFinite() const;
 
-  Status CheckBatch(const TransitionBatch& batch) const;
-  const uint8_t* WholeBlocks(const ObservationBatch& observations, std::vector<uint8_t>& padded) const;
+  Status CheckBatch(const Transitions& batch) const;
+  const uint8_t* WholeBlocks(ColumnRows observations, std::vector<uint8_t>& padded) const;
   Result<UpdateStats> Finish(int batch_size);
 
   bool shared() const { return config_.model.encoders == EncoderSharing::kShared; }
 
   Config config_;
-  ObservationSpec spec_;
+  DrivingShape spec_;
   PolicyNetwork policy_;
   CriticNetwork critic_;
   const nn::LaneKernels& kernels_;
@@ -76,6 +82,7 @@ class Sac final : public Algorithm {
   nn::AdamMoments critic_moments_;
   nn::ScalarAdam log_alpha_;
   uint64_t updates_ = 0;
+  NStepReturns returns_;
   std::unique_ptr<NoiseSource> noise_source_;
 
   // Of the running update.

@@ -45,7 +45,7 @@ void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, st
   }
 }
 
-void ComputeTargets(SacWorkspace& workspace, const TransitionBatch& batch, double alpha) {
+void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, double alpha) {
   for (int i = 0; i < workspace.samples; ++i) {
     const size_t sample = Index(workspace.first_sample + i);
     const double value = Smaller(At(workspace.critic1.value, 0, i), At(workspace.critic2.value, 0, i)) -
@@ -55,10 +55,10 @@ void ComputeTargets(SacWorkspace& workspace, const TransitionBatch& batch, doubl
   }
 }
 
-void CriticLoss(SacWorkspace& workspace, const TransitionBatch& batch, std::span<float> td_error) {
+void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<float> td_error) {
   Clear(workspace.critic1.value_gradient, 1, workspace.samples);
   Clear(workspace.critic2.value_gradient, 1, workspace.samples);
-  const double scale = 2.0 / batch.size;
+  const double scale = 2.0 / batch.size();
   SacSums sums;
   for (int i = 0; i < workspace.samples; ++i) {
     const size_t sample = Index(workspace.first_sample + i);

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "common/model/transition_batch.h"
+#include "learner/algorithms/n_step.h"
 #include "learner/algorithms/sac_workspace.h"
 
 namespace dadrl {
@@ -16,11 +16,11 @@ void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, st
 
 // workspace.targets = reward + discount (min Q_target(s', a') - alpha log pi(a'|s')). The discount is
 // gamma^k, or 0 at a termination, so n-step returns, truncation and termination need no cases here.
-void ComputeTargets(SacWorkspace& workspace, const TransitionBatch& batch, double alpha);
+void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, double alpha);
 
 // Critic loss = sum over both critics of (1 / batch) sum of weight (Q - target)^2, without a factor one half.
 // Fills both value gradients, the sums, and td_error [batch].
-void CriticLoss(SacWorkspace& workspace, const TransitionBatch& batch, std::span<float> td_error);
+void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<float> td_error);
 
 // Actor loss = (1 / batch) sum of alpha log pi - min Q, not importance weighted. First half: the gradient
 // with respect to the values, which goes to the smaller critic alone.

@@ -31,23 +31,23 @@ void Add(LaneSpan sum, LaneSpan other, int features, int blocks) {
 
 }  // namespace
 
-void Sac::PackShare(const TransitionBatch& batch, SacWorkspace& workspace, int member) {
+void Sac::PackShare(const Transitions& batch, SacWorkspace& workspace, int member) {
   const int threads = team_.size();
-  const int blocks = (batch.size + kLanes - 1) / kLanes;
+  const int blocks = (batch.size() + kLanes - 1) / kLanes;
   const int first = blocks * member / threads;
   const int count = blocks * (member + 1) / threads - first;
   workspace.first_sample = first * kLanes;
-  workspace.samples = std::clamp(batch.size - workspace.first_sample, 0, count * kLanes);
+  workspace.samples = std::clamp(batch.size() - workspace.first_sample, 0, count * kLanes);
   workspace.sums = SacSums{};
   workspace.finite = true;
   workspace.now.blocks = count;
   workspace.next.blocks = count;
-  const ptrdiff_t context = ptrdiff_t{first} * kLanes * ObservationSpec::kContextBytes;
+  const ptrdiff_t context = ptrdiff_t{first} * kLanes * DrivingShape::kContextBytes;
   workspace.now.Pack(kernels_, batch.observation, now_context_ + context, first);
   workspace.next.Pack(kernels_, batch.next_observation, next_context_ + context, first);
 }
 
-void Sac::TargetPass(const TransitionBatch& batch, SacWorkspace& workspace) {
+void Sac::TargetPass(const Transitions& batch, SacWorkspace& workspace) {
   const int blocks = workspace.next.blocks;
   const int features = critic_.encoder.features();
   EncoderForward(kernels_, policy_.encoder, policy_parameters_.data(), workspace.next, workspace.passing,
@@ -61,7 +61,7 @@ void Sac::TargetPass(const TransitionBatch& batch, SacWorkspace& workspace) {
   ComputeTargets(workspace, batch, alpha_);
 }
 
-void Sac::CriticPass(const TransitionBatch& batch, SacWorkspace& workspace) {
+void Sac::CriticPass(const Transitions& batch, SacWorkspace& workspace) {
   const int blocks = workspace.now.blocks;
   const int features = critic_.encoder.features();
   const float* parameters = critic_parameters_.data();
@@ -88,7 +88,7 @@ void Sac::CriticPass(const TransitionBatch& batch, SacWorkspace& workspace) {
                   workspace.encoder_scratch);
 }
 
-void Sac::ActorPass(const TransitionBatch& batch, SacWorkspace& workspace) {
+void Sac::ActorPass(const Transitions& batch, SacWorkspace& workspace) {
   const int blocks = workspace.now.blocks;
   const int features = critic_.encoder.features();
   const float* policy_parameters = policy_parameters_.data();
@@ -106,7 +106,7 @@ void Sac::ActorPass(const TransitionBatch& batch, SacWorkspace& workspace) {
              workspace.policy_output);
   SampleActions(workspace, limits_, now_noise_, workspace.critic_input, features);
   CriticsForward(kernels_, critic_, critic_parameters, workspace.critic_input, blocks, workspace);
-  ActorValueGradient(workspace, batch.size, alpha_);
+  ActorValueGradient(workspace, batch.size(), alpha_);
   for (const auto& [mlp, critic] :
        {std::pair(&critic_.critic1, &workspace.critic1), std::pair(&critic_.critic2, &workspace.critic2)}) {
     MlpBackward(kernels_, *mlp, critic_parameters, workspace.critic_input, blocks, critic->head,
@@ -114,7 +114,7 @@ void Sac::ActorPass(const TransitionBatch& batch, SacWorkspace& workspace) {
                 {.input = critic->action_gradient, .first_input = features, .input_count = kActionSize},
                 workspace.critic_scratch);
   }
-  ActorOutputGradient(workspace, batch.size, alpha_, now_noise_);
+  ActorOutputGradient(workspace, batch.size(), alpha_, now_noise_);
   MlpGradients wanted;
   wanted.parameters = workspace.policy_gradient;
   if (!shared()) {
@@ -129,7 +129,7 @@ void Sac::ActorPass(const TransitionBatch& batch, SacWorkspace& workspace) {
                   workspace.encoder_scratch);
 }
 
-void Sac::UpdateShare(const TransitionBatch& batch, int member) {
+void Sac::UpdateShare(const Transitions& batch, int member) {
   SacWorkspace& workspace = workspaces_[static_cast<size_t>(member)];
   PackShare(batch, workspace, member);
   if (workspace.samples > 0) {

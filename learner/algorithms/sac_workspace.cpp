@@ -16,7 +16,7 @@ SacWorkspace::Critic TakeCritic(nn::Arena& arena, const Mlp& head, int blocks) {
 }  // namespace
 
 SacWorkspace::SacWorkspace(nn::Arena& arena, const PolicyNetwork& policy, const CriticNetwork& critic,
-                           const ObservationSpec& spec, int blocks)
+                           const DrivingShape& spec, int blocks)
     : now(arena, spec, blocks),
       next(arena, spec, blocks),
       kept(arena, critic.encoder, blocks, true),

@@ -28,7 +28,7 @@ struct ActionSamples {
 // Laid out in an arena once; spans hold up to `blocks` blocks.
 struct SacWorkspace {
   SacWorkspace(nn::Arena& arena, const PolicyNetwork& policy, const CriticNetwork& critic,
-               const ObservationSpec& spec, int blocks);
+               const DrivingShape& spec, int blocks);
 
   // The share of this update: samples [first, first + samples) of the batch; the rest of the last block is
   // padding.

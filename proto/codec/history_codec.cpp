@@ -87,7 +87,7 @@ void EncodeColumn(const float* oldest, int history, int stride, BitWriter& out) 
   const auto bits_at = [&](int row) { return Float::ToBits(oldest[row * stride]); };
   const uint32_t newest = bits_at(history - 1);
   PutNewest<Float>(newest, out);
-  std::array<uint32_t, kMaxHistory> codes;
+  std::array<uint32_t, kMaxHistoryRows> codes;
   uint32_t all = 0;
   uint32_t previous = Ordered<Float>(newest);
   for (int row = history - 2, i = 0; row >= 0; --row, ++i) {

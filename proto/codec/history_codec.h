@@ -12,15 +12,14 @@
 #include <span>
 
 #include "common/config/config.h"
+#include "common/step/step_spec.h"
 #include "proto/codec/bit_stream.h"
 
 namespace dadrl {
 
-constexpr int kMaxHistory = 64;
-
 struct HistoryShape {
   int entities = 0;
-  int history = 0;  // 1 to kMaxHistory
+  int history = 0;  // 1 to kMaxHistoryRows
   int features = 0;
 };
 

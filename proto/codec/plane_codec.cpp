@@ -9,7 +9,7 @@
 namespace dadrl {
 namespace {
 
-constexpr int kSize = ObservationSpec::kContextSize;
+constexpr int kSize = kBitPlaneSide;
 constexpr int kRowBytes = kSize / 8;
 static_assert(kSize == 128, "a row is two 64-bit words");
 

@@ -12,15 +12,15 @@
 #include <cstdint>
 #include <span>
 
-#include "common/model/observation.h"
+#include "common/step/step_spec.h"
 #include "proto/codec/bit_stream.h"
 
 namespace dadrl {
 
-constexpr int kPlaneBytes = ObservationSpec::kContextBytes / ObservationSpec::kContextPlanes;
-constexpr int kMaxPlaneBits = ObservationSpec::kContextSize * (ObservationSpec::kContextSize + 3);
+constexpr int kPlaneBytes = kBitPlaneSide * kBitPlaneSide / 8;
+constexpr int kMaxPlaneBits = kBitPlaneSide * (kBitPlaneSide + 3);
 
-// `plane` in the layout of Observation::context.
+// `plane` row by row, the first pixel in the lowest bit.
 void EncodePlane(std::span<const uint8_t, kPlaneBytes> plane, BitWriter& out);
 
 // False when the bits are no plane; `plane` is then unspecified.

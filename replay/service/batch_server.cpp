@@ -10,8 +10,7 @@
 #include "common/liveness/working_thread.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
-#include "proto/sample_batch.h"
-#include "proto/sequence_batch.h"
+#include "proto/trajectory_codec.h"
 
 namespace dadrl {
 namespace {
@@ -21,13 +20,16 @@ constexpr Duration kWait = std::chrono::milliseconds(10);
 constexpr auto kMaxReplyBytes = static_cast<size_t>(kMaxBatchBytes);
 
 // Before the memory for it is taken.
-Status CheckSendable(const ReplayTable::Wanted& wanted, size_t bytes) {
+Status CheckSendable(const TrajectoryShape& shape, size_t bytes) {
   if (bytes <= kMaxReplyBytes) return {};
   return Fail(ErrorCode::kInvalidArgument,
               "a batch of {} takes {} bytes, at most {} can be sent; lower algorithm.batch_size or "
               "replay.sequence_length",
-              wanted.count, bytes, kMaxReplyBytes);
+              shape.count, bytes, kMaxReplyBytes);
 }
+
+// Of a number from outside: CheckShape refuses what is too large.
+int Bounded(uint32_t value) { return static_cast<int>(std::min<uint32_t>(value, INT32_MAX)); }
 
 }  // namespace
 
@@ -128,21 +130,21 @@ void BatchServer::OnRequest(const dadrl_idl_BatchRequest& message) {
   const RequestId id{message.learner, message.request};
   const RequestQueue::Verdict verdict = queue_.OnArrival(id, message.oldest_open);
   if (verdict == RequestQueue::Verdict::kSuperseded) {
-    return Refuse({.id = id, .wanted = {}},
-                  fmt::format("learner {} of this run has taken over from learner {}, which ends",
-                              queue_.learner(), id.learner));
+    return Refuse({.id = id}, fmt::format("learner {} of this run has taken over from learner {}, which ends",
+                                          queue_.learner(), id.learner));
   }
   if (verdict != RequestQueue::Verdict::kNew || Serves(id)) return;
   const Request request{.id = id,
-                        .wanted = {.count = message.batch_size,
-                                   .n_step = static_cast<int>(message.n_step),
-                                   .sequence_length = static_cast<int>(message.sequence_length),
-                                   .policy_version = message.policy_version}};
-  if (const Status possible = Check(message); !possible) return Refuse(request, possible.error().message);
+                        .shape = {.count = Bounded(message.trajectories),
+                                  .steps = Bounded(message.steps),
+                                  .all_observations = message.all_observations},
+                        .policy_version = message.policy_version};
+  if (const Status possible = Check(message, request.shape); !possible)
+    return Refuse(request, possible.error().message);
   queue_.Push(request);
 }
 
-Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
+Status BatchServer::Check(const dadrl_idl_BatchRequest& message, const TrajectoryShape& shape) const {
   if (message.protocol != kProtocolVersion) {
     return Fail(ErrorCode::kInvalidArgument,
                 "the learner speaks version {} of the protocol, this replay {}: one of them was built anew "
@@ -151,35 +153,11 @@ Status BatchServer::Check(const dadrl_idl_BatchRequest& message) const {
   }
   if (message.schema != table_.schema()) {
     return Fail(ErrorCode::kInvalidArgument,
-                "the learner's observations have schema {:#x}, this replay holds {:#x}; start both with the "
+                "the learner's steps have schema {:#x}, this replay holds {:#x}; start both with the "
                 "configuration of the run",
                 message.schema, table_.schema());
   }
-  if (message.batch_size < 1 || message.batch_size > kMaxBatch) {
-    return Fail(ErrorCode::kInvalidArgument, "a batch of {} is not between 1 and {}", message.batch_size,
-                kMaxBatch);
-  }
-  const auto longest = static_cast<uint32_t>(table_.sequence_length());
-  if (message.sequence_length > longest) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "sequences of {} decisions; this replay was started with replay.sequence_length {}; start "
-                "both with the configuration of the run",
-                message.sequence_length, longest);
-  }
-  const uint64_t steps = uint64_t{message.batch_size} * message.sequence_length;
-  if (steps > kMaxBatchSteps) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "a batch of {} sequences of {} decisions; at most {} decisions fit into one",
-                message.batch_size, message.sequence_length, kMaxBatchSteps);
-  }
-  if (message.sequence_length == 0 &&
-      (message.n_step < 1 || message.n_step > static_cast<uint32_t>(table_.n_step()))) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "slices of {} steps; this replay was started with algorithm.n_step {}; start both with the "
-                "configuration of the run",
-                message.n_step, table_.n_step());
-  }
-  return {};
+  return table_.CheckShape(shape);
 }
 
 // Should the word of it be lost, the learner asks again.
@@ -200,11 +178,10 @@ void BatchServer::TakePriorities() {
 }
 
 Result<DrawnItems> BatchServer::Draw(const Request& request) {
-  const ReplayTable::Wanted& wanted = request.wanted;
-  if (table_.MaySample(wanted.count, wanted.sequence_length) != RateLimiter::Hold::kNone) {
+  if (table_.MaySample(request.shape) != RateLimiter::Hold::kNone) {
     return Fail(ErrorCode::kUnavailable, "not now");
   }
-  Result<DrawnItems> items = table_.Draw(wanted);
+  Result<DrawnItems> items = table_.Draw(request.shape, request.policy_version);
   if (items) on_sample_();
   return items;
 }
@@ -220,19 +197,11 @@ void BatchServer::SayWithheld() {
 }
 
 std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> memory) {
-  const ReplayTable::Wanted& wanted = drawn.request.wanted;
+  const TrajectoryShape& shape = drawn.request.shape;
   const auto encode = [&]() -> Result<std::vector<std::byte>> {
-    if (wanted.sequence_length > 0) {
-      DADRL_ASSIGN_OR_RETURN(const SampledSequences batch,
-                             AssembleSequences(std::move(drawn.items), wanted.sequence_length));
-      DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SequenceBatchBytes(batch.sequences)));
-      auto encoded = EncodeSequenceBatch(batch.sequences, wanted.sequence_length, table_.schema());
-      DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
-      return encoded;
-    }
-    DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, AssembleBatch(std::move(drawn.items), wanted.n_step));
-    DADRL_RETURN_IF_ERROR(CheckSendable(wanted, SampleBatchBytes(batch.items)));
-    auto encoded = EncodeSampleBatch(batch.items, table_.schema(), std::move(memory));
+    DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, ReadTrajectories(std::move(drawn.items), shape));
+    DADRL_RETURN_IF_ERROR(CheckSendable(shape, TrajectoriesBytes(batch.trajectories)));
+    auto encoded = EncodeTrajectories(batch.trajectories, shape, table_.schema(), std::move(memory));
     DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
     return encoded;
   };

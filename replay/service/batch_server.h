@@ -29,8 +29,6 @@ class BatchServer {
   // One sends while the other prepares: DDS takes as long for a batch as the table.
   static constexpr int kThreads = 2;
   static constexpr size_t kFewPending = 8;  // then it looks for more
-  static constexpr uint32_t kMaxBatch = 65536;
-  static constexpr uint64_t kMaxBatchSteps = uint64_t{1} << 21;  // of all its sequences
 
   struct Statistics {
     uint64_t batches = 0;
@@ -77,7 +75,7 @@ class BatchServer {
   void TakeRequests() DADRL_REQUIRES(lead_);
   void OnRequest(const dadrl_idl_BatchRequest& message) DADRL_REQUIRES(lead_);
   // Whether the request can ever be served; its message is for the learner.
-  Status Check(const dadrl_idl_BatchRequest& message) const;
+  Status Check(const dadrl_idl_BatchRequest& message, const TrajectoryShape& shape) const;
   void Refuse(const Request& request, const std::string& reason);
   void TakePriorities() DADRL_REQUIRES(lead_);
   Result<DrawnItems> Draw(const Request& request) DADRL_REQUIRES(lead_);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "proto/experience_bounds.h"
-
 namespace dadrl {
 
 Status ChunkVerifier::Check(const ChunkView& chunk) {
@@ -26,8 +24,7 @@ Status ChunkVerifier::Check(const ChunkView& chunk) {
 }
 
 Status ChunkVerifier::CheckFrame(const ChunkView& chunk, int frame) {
-  const Status decoded = DecodeWithinBounds(codec_, chunk.payload(frame), observation_.vehicles,
-                                            observation_.ego, observation_.context);
+  const Status decoded = codec_.Decode(chunk.payload(frame), row_);
   if (decoded) return {};
   return Fail(ErrorCode::kCorrupt, "actor {}, episode {}, frame {}: {}", chunk.header().identity.actor,
               chunk.header().episode, chunk.header().first_frame + static_cast<uint32_t>(frame),

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "common/model/observation.h"
+#include "common/step/columns.h"
 #include "common/util/random.h"
 #include "common/util/result.h"
 #include "proto/experience.h"
@@ -20,8 +20,8 @@ class ChunkVerifier {
   static constexpr int kProbation = 64;
 
   // `all`: every frame of every chunk, always.
-  ChunkVerifier(const ObservationSpec& spec, bool all, uint64_t seed)
-      : codec_(spec, FloatCoding::kFloat16), observation_(spec), all_(all), random_(seed) {}
+  ChunkVerifier(const StepSpec& spec, bool all, uint64_t seed)
+      : codec_(spec, FloatCoding::kFloat16), row_(spec, 1), all_(all), random_(seed) {}
 
   // kCorrupt with the actor, the frame and what is wrong with it. Takes about 2 us for each frame it decodes.
   Status Check(const ChunkView& chunk);
@@ -33,8 +33,8 @@ class ChunkVerifier {
   };
   Status CheckFrame(const ChunkView& chunk, int frame);
 
-  FrameCodec codec_;
-  Observation observation_;
+  PayloadCodec codec_;
+  Columns row_;
   const bool all_;
   Random random_;
   std::unordered_map<uint32_t, Trust> trust_;  // by actor; bounded by the table's number of actors

@@ -82,11 +82,10 @@ LeaseTable::Answer LeaseOffice::Decide(const dadrl_idl_LeaseRequest& message) {
                               message.protocol, kProtocolVersion)};
   }
   if (message.schema != schema_) {
-    return {
-        .verdict = LeaseVerdict::kIncompatible,
-        .reason = fmt::format("the actor's observations have schema {:#x}, the replay holds {:#x}: start the "
-                              "actor with the configuration of the run",
-                              message.schema, schema_)};
+    return {.verdict = LeaseVerdict::kIncompatible,
+            .reason = fmt::format("the actor's steps have schema {:#x}, the replay holds {:#x}: start the "
+                                  "actor with the configuration of the run",
+                                  message.schema, schema_)};
   }
   LeaseTable::Request request{.token = {message.token_high, message.token_low},
                               .start = std::min<uint64_t>(message.start, kMaxIncarnation),

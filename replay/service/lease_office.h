@@ -15,7 +15,7 @@
 namespace dadrl {
 
 // Not thread safe; never blocks. Who asks for a number is answered; who shows the one it has, only when that
-// is another's. A program of another version, or with other observations, is refused with both sides named.
+// is another's. A program of another version, or with other columns, is refused with both sides named.
 class LeaseOffice {
  public:
   // `least_incarnation`: above that of every chunk that is stored. Borrows `clock`.

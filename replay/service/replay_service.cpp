@@ -9,6 +9,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/io/run_key.h"
+#include "common/step/driving_shape.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
@@ -20,9 +21,9 @@ namespace {
 constexpr Duration kTick = std::chrono::milliseconds(20);
 
 TableOptions OptionsOf(const ReplayService::Options& options) {
-  const ObservationSpec spec = ObservationSpec::From(options.config.observation);
+  const StepSpec spec = DrivingStepSpec(options.config);
   TableOptions table{.directory = options.run_directory / "replay" / fmt::format("shard-{}", options.shard),
-                     .schema = SchemaHash(spec),
+                     .spec = spec,
                      .replay = options.config.replay,
                      .n_step = options.config.algorithm.n_step,
                      .seed = DeriveSeed(options.config.seed, 1000 + options.shard),

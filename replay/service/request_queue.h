@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "replay/table.h"
+#include "common/step/trajectory_batch.h"
 
 namespace dadrl {
 
@@ -25,8 +25,9 @@ class RequestQueue {
   };
   struct Request {
     Id id;
-    ReplayTable::Wanted wanted;
-    bool told = false;  // that it is withheld
+    TrajectoryShape shape;
+    uint32_t policy_version = 0;  // newest, for the staleness limit
+    bool told = false;            // that it is withheld
   };
 
   enum class Verdict {

@@ -89,8 +89,8 @@ Result<std::shared_ptr<Segment>> Segment::Open(const std::filesystem::path& path
   const SegmentHeader header = ParseSegmentHeader(segment->Prefix(size));
   if (header.whole && (header.version != kSegmentVersion || header.schema != schema)) {
     return Fail(ErrorCode::kCorrupt,
-                "{}: holds experience of schema {:#x} (format {}), this run needs {:#x} (format {}): the "
-                "observation configuration differs; use another run directory or remove the replay folder",
+                "{}: holds experience of schema {:#x} (format {}), this run needs {:#x} (format {}): "
+                "its columns differ; use another run directory or remove the replay folder",
                 path.string(), header.schema, header.version, schema, kSegmentVersion);
   }
   return segment;

@@ -8,6 +8,7 @@
 
 #include "common/io/file_descriptor.h"
 #include "common/io/io_error.h"
+#include "replay/storage/columns_file.h"
 #include "replay/storage/snapshot_folder.h"
 
 namespace dadrl {
@@ -35,18 +36,19 @@ Status Add(const SegmentLog::Extent& extent, const fs::path& to, SnapshotReport&
   return Copy(extent, to);
 }
 
-Status Fill(const ReplayState& state, std::span<const SegmentLog::Extent> extents, const fs::path& directory,
-            SnapshotReport& report) {
+Status Fill(const ReplayState& state, const StepSpec& spec, std::span<const SegmentLog::Extent> extents,
+            const fs::path& directory, SnapshotReport& report) {
   for (const SegmentLog::Extent& extent : extents) {
     DADRL_RETURN_IF_ERROR(Add(extent, directory / extent.segment->path().filename(), report));
   }
+  DADRL_RETURN_IF_ERROR(WriteColumns(directory, spec));
   return WriteReplayState(directory / "state", state);
 }
 
 }  // namespace
 
-Result<SnapshotReport> WriteSnapshot(const ReplayState& state, std::span<const SegmentLog::Extent> extents,
-                                     const fs::path& directory) {
+Result<SnapshotReport> WriteSnapshot(const ReplayState& state, const StepSpec& spec,
+                                     std::span<const SegmentLog::Extent> extents, const fs::path& directory) {
   std::error_code error;
   if (fs::exists(directory, error)) {
     return Fail(ErrorCode::kInvalidArgument, "{} exists; a snapshot needs a name of its own",
@@ -57,7 +59,7 @@ Result<SnapshotReport> WriteSnapshot(const ReplayState& state, std::span<const S
   fs::create_directories(partial, error);
   if (error) return tl::unexpected(IoError("create", partial, error.value()));
   SnapshotReport report;
-  Status done = Fill(state, extents, partial, report);
+  Status done = Fill(state, spec, extents, partial, report);
   if (done) done = SyncDirectory(partial);
   if (done && rename(partial.c_str(), directory.c_str()) != 0) {
     done = tl::unexpected(IoError("rename", partial, errno));

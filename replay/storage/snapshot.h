@@ -24,7 +24,8 @@ struct SnapshotReport {
 // Writes `directory`, which must not exist: complete and on the device, or not at all. `state` and `extents`
 // are of the same moment. Blocks on the disk; needs no lock: what the log drops meanwhile is copied from
 // memory.
-Result<SnapshotReport> WriteSnapshot(const ReplayState& state, std::span<const SegmentLog::Extent> extents,
+Result<SnapshotReport> WriteSnapshot(const ReplayState& state, const StepSpec& spec,
+                                     std::span<const SegmentLog::Extent> extents,
                                      const std::filesystem::path& directory);
 
 }  // namespace dadrl

@@ -12,6 +12,7 @@
 #include "common/io/file_descriptor.h"
 #include "common/io/io_error.h"
 #include "common/io/mapped_file.h"
+#include "replay/storage/columns_file.h"
 #include "replay/storage/segment_log.h"
 #include "replay/storage/snapshot_folder.h"
 
@@ -64,7 +65,7 @@ Status LinkFiles(const fs::path& from, const fs::path& to) {
   if (error) return tl::unexpected(IoError("create", to, error.value()));
   for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
     const fs::path name = entry.path().filename();
-    if (name != "state" && !SegmentLog::IdOf(name)) continue;
+    if (name != "state" && name != kColumnsFile && !SegmentLog::IdOf(name)) continue;
     if (entry.symlink_status(error).type() != fs::file_type::regular) {
       return Fail(ErrorCode::kInvalidArgument,
                   "{} is no regular file of the snapshot: nothing is restored; remove it",

@@ -1,17 +1,16 @@
 // The exported form of experience: a row a frame, in the order it was stored; docs/replay.md.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "common/model/observation.h"
+#include "common/step/step_spec.h"
 
 namespace dadrl {
 
-constexpr int kArrayFormat = 1;
+constexpr int kArrayFormat = 2;  // 1, which import reads too, has one kind of columns
 constexpr std::string_view kArrayIndex = "index.json";
 
 struct ArrayLayout {
@@ -21,49 +20,26 @@ struct ArrayLayout {
   size_t row_bytes = 0;
 };
 
-// In this order everywhere.
-enum class Column {
-  kVehicles,
-  kEgo,
-  kContext,
-  kActions,
+// What every step has. Their arrays stand in this order behind those of the columns.
+enum class StepArray {
   kRewards,
   kTerminated,
   kTruncated,
-  kHasAction,
+  kHasDecision,
   kPolicyVersion,
   kActor,
   kIncarnation,
   kEpisode,
   kStep,
-  kCount
 };
-constexpr size_t kColumns = static_cast<size_t>(Column::kCount);
 
-inline std::array<ArrayLayout, kColumns> ArrayLayouts(const ObservationSpec& spec) {
-  const auto vehicles = static_cast<size_t>(spec.vehicles);
-  const auto history = static_cast<size_t>(spec.history);
-  constexpr auto kPixels = static_cast<size_t>(ObservationSpec::kContextSize);
-  std::array<ArrayLayout, kColumns> layouts{{
-      {"vehicles", "<f4", {vehicles, history, ObservationSpec::kVehicleFeatures}},
-      {"ego", "<f4", {history, ObservationSpec::kEgoFeatures}},
-      {"context", "|u1", {ObservationSpec::kContextPlanes, kPixels, kPixels}},
-      {"actions", "<f4", {kActionSize}},
-      {"rewards", "<f4", {}},
-      {"terminated", "|u1", {}},
-      {"truncated", "|u1", {}},
-      {"has_action", "|u1", {}},
-      {"policy_version", "<u4", {}},
-      {"actor", "<u4", {}},
-      {"incarnation", "<u8", {}},
-      {"episode", "<u8", {}},
-      {"step", "<u4", {}},
-  }};
-  for (ArrayLayout& layout : layouts) {
-    layout.row_bytes = static_cast<size_t>(layout.type.back() - '0');
-    for (const size_t size : layout.row) layout.row_bytes *= size;
-  }
-  return layouts;
+// An array a column: those of the observation, those of the decision; then one for each StepArray. Bits are a
+// byte each.
+std::vector<ArrayLayout> ArrayLayouts(const StepSpec& spec);
+
+// Where an array stands among ArrayLayouts.
+inline size_t IndexOf(const StepSpec& spec, StepArray array) {
+  return spec.observation.size() + spec.decision.size() + static_cast<size_t>(array);
 }
 
 }  // namespace dadrl

@@ -10,6 +10,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/file_descriptor.h"
 #include "common/io/npy.h"
+#include "common/step/step_spec_json.h"
 #include "replay/tools/array_layout.h"
 #include "replay/tools/shard_reader.h"
 #include "replay/tools/tool.h"
@@ -38,10 +39,6 @@ class ArrayWriter {
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
     return buffer_.size() < kBufferBytes ? Status() : Flush();
   }
-  template <typename T>
-  Status Put(T value) {
-    return Append(std::as_bytes(std::span(&value, 1)));
-  }
   Status Finish() {
     DADRL_RETURN_IF_ERROR(Flush());
     return SyncFile(file_, path_);
@@ -61,7 +58,7 @@ class ArrayWriter {
 // Decodes chunks into rows of all arrays.
 class Exporter {
  public:
-  static Result<Exporter> Create(const fs::path& directory, const ObservationSpec& spec, uint64_t rows) {
+  static Result<Exporter> Create(const fs::path& directory, const StepSpec& spec, uint64_t rows) {
     Exporter exporter(spec);
     for (const ArrayLayout& layout : ArrayLayouts(spec)) {
       DADRL_ASSIGN_OR_RETURN(ArrayWriter writer, ArrayWriter::Create(directory, layout, rows));
@@ -84,43 +81,60 @@ class Exporter {
   bool any_float32() const { return any_float32_; }
 
  private:
-  explicit Exporter(const ObservationSpec& spec)
-      : codec_(spec, FloatCoding::kFloat16),
-        observation_(spec),
-        pixels_(ObservationSpec::kContextBytes * size_t{8}) {}
+  explicit Exporter(const StepSpec& spec) : spec_(spec), codec_(spec, FloatCoding::kFloat16), row_(spec, 1) {}
 
-  ArrayWriter& At(Column column) { return arrays_[static_cast<size_t>(column)]; }
+  template <typename T>
+  Status Put(StepArray array, T value) {
+    return arrays_[IndexOf(spec_, array)].Append(std::as_bytes(std::span(&value, 1)));
+  }
 
   Status AddFrame(const ChunkView& chunk, int frame) {
     const std::span<const std::byte> payload = chunk.payload(frame);
-    DADRL_RETURN_IF_ERROR(
-        codec_.Decode(payload, observation_.vehicles, observation_.ego, observation_.context));
+    DADRL_RETURN_IF_ERROR(codec_.Decode(payload, row_));
     any_float32_ = any_float32_ || CodingOf(payload) == FloatCoding::kFloat32;
-    for (size_t i = 0; i < pixels_.size(); ++i) {
-      pixels_[i] = static_cast<uint8_t>(observation_.context[i / 8] >> (i % 8) & 1);
-    }
+    for (size_t i = 0; i < spec_.observation.size(); ++i) DADRL_RETURN_IF_ERROR(AddColumn(i));
+    DADRL_RETURN_IF_ERROR(AddDecision(chunk.decision(frame)));
     const ChunkHeader& header = chunk.header();
     const uint8_t flags = chunk.flags(frame);
     const auto has = [&](uint8_t flag) { return static_cast<uint8_t>((flags & flag) != 0); };
-    const Action action = chunk.action(frame);
-    DADRL_RETURN_IF_ERROR(At(Column::kVehicles).Append(std::as_bytes(std::span(observation_.vehicles))));
-    DADRL_RETURN_IF_ERROR(At(Column::kEgo).Append(std::as_bytes(std::span(observation_.ego))));
-    DADRL_RETURN_IF_ERROR(At(Column::kContext).Append(std::as_bytes(std::span(pixels_))));
-    DADRL_RETURN_IF_ERROR(At(Column::kActions).Append(std::as_bytes(std::span(action))));
-    DADRL_RETURN_IF_ERROR(At(Column::kRewards).Put(chunk.reward(frame)));
-    DADRL_RETURN_IF_ERROR(At(Column::kTerminated).Put(has(kTerminated)));
-    DADRL_RETURN_IF_ERROR(At(Column::kTruncated).Put(has(kTruncated)));
-    DADRL_RETURN_IF_ERROR(At(Column::kHasAction).Put(has(kHasAction)));
-    DADRL_RETURN_IF_ERROR(At(Column::kPolicyVersion).Put(chunk.policy_version(frame)));
-    DADRL_RETURN_IF_ERROR(At(Column::kActor).Put(header.identity.actor));
-    DADRL_RETURN_IF_ERROR(At(Column::kIncarnation).Put(header.identity.incarnation));
-    DADRL_RETURN_IF_ERROR(At(Column::kEpisode).Put(header.episode));
-    return At(Column::kStep).Put(header.first_frame + static_cast<uint32_t>(frame));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kRewards, chunk.reward(frame)));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kTerminated, has(kTerminated)));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kTruncated, has(kTruncated)));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kHasDecision, has(kHasDecision)));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kPolicyVersion, chunk.policy_version(frame)));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kActor, header.identity.actor));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kIncarnation, header.identity.incarnation));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kEpisode, header.episode));
+    return Put(StepArray::kStep, header.first_frame + static_cast<uint32_t>(frame));
   }
 
-  FrameCodec codec_;
-  Observation observation_;
-  std::vector<uint8_t> pixels_;
+  Status AddColumn(size_t index) {
+    const std::span<const uint8_t> bits = row_.bits(index);
+    if (bits.empty()) return arrays_[index].Append(std::as_bytes(row_.floats(index)));
+    unpacked_.resize(spec_.observation[index].elements());
+    for (size_t i = 0; i < unpacked_.size(); ++i) {
+      unpacked_[i] = static_cast<uint8_t>(bits[i / 8] >> (i % 8) & 1);
+    }
+    return arrays_[index].Append(std::as_bytes(std::span(unpacked_)));
+  }
+
+  Status AddDecision(std::span<const std::byte> decision) {
+    if (decision.size() != spec_.decision_floats() * sizeof(float)) {
+      return Fail(ErrorCode::kCorrupt, "a decision of {} bytes; its columns are {}", decision.size(),
+                  ColumnsText(spec_.decision));
+    }
+    for (size_t i = 0; i < spec_.decision.size(); ++i) {
+      const size_t bytes = spec_.decision[i].bytes();
+      DADRL_RETURN_IF_ERROR(arrays_[spec_.observation.size() + i].Append(decision.first(bytes)));
+      decision = decision.subspan(bytes);
+    }
+    return {};
+  }
+
+  StepSpec spec_;
+  PayloadCodec codec_;
+  Columns row_;
+  std::vector<uint8_t> unpacked_;  // a column of bits, a byte each
   std::vector<ArrayWriter> arrays_;
   uint64_t rows_left_ = 0;
   bool any_float32_ = false;
@@ -132,13 +146,13 @@ struct Options {
   uint64_t limit = std::numeric_limits<uint64_t>::max();
 };
 
-uint64_t RowBytes(const ObservationSpec& spec) {
+uint64_t RowBytes(const StepSpec& spec) {
   uint64_t bytes = 0;
   for (const ArrayLayout& layout : ArrayLayouts(spec)) bytes += layout.row_bytes;
   return bytes;
 }
 
-Status PrepareFolder(const fs::path& out, uint64_t rows, const ObservationSpec& spec) {
+Status PrepareFolder(const fs::path& out, uint64_t rows, const StepSpec& spec) {
   std::error_code error;
   if (fs::exists(out, error) && !fs::is_empty(out, error)) {
     return Fail(ErrorCode::kInvalidArgument, "--out: {} is there and not empty; name a new folder",
@@ -156,20 +170,19 @@ Status PrepareFolder(const fs::path& out, uint64_t rows, const ObservationSpec& 
   return {};
 }
 
-Status WriteIndex(const fs::path& out, const ObservationSpec& spec, uint64_t rows, bool float32) {
+Status WriteIndex(const fs::path& out, const StepSpec& spec, uint64_t rows, bool float32) {
   nlohmann::ordered_json arrays = nlohmann::ordered_json::object();
   for (const ArrayLayout& layout : ArrayLayouts(spec)) {
     std::vector<size_t> shape = layout.row;
     shape.insert(shape.begin(), rows);
     arrays[layout.name] = {{"file", layout.name + ".npy"}, {"type", layout.type}, {"shape", shape}};
   }
-  const nlohmann::ordered_json index = {
-      {"format", "dadrl experience"},
-      {"version", kArrayFormat},
-      {"rows", rows},
-      {"observation", {{"vehicles", spec.vehicles}, {"history", spec.history}}},
-      {"floats", float32 ? "float32" : "float16"},
-      {"arrays", arrays}};
+  const nlohmann::ordered_json index = {{"format", "dadrl experience"},
+                                        {"version", kArrayFormat},
+                                        {"rows", rows},
+                                        {"columns", StepSpecToJson(spec)},
+                                        {"floats", float32 ? "float32" : "float16"},
+                                        {"arrays", arrays}};
   return WriteFileAtomically(out / kArrayIndex, std::string_view(index.dump(2) + "\n"));
 }
 
@@ -212,9 +225,7 @@ Tool MakeExportTool(CLI::App& replay) {
   app->add_option("DIR", options->directory, "Run directory, its replay folder, one shard, or a snapshot")
       ->required();
   app->add_option("--out", options->out, "New folder for the arrays")->required()->type_name("ARRAYS");
-  app->add_option("--limit", options->limit,
-                  fmt::format("At most so many frames, the oldest first ({:.1f} kB each)",
-                              static_cast<double>(RowBytes(ObservationSpec{})) / 1e3))
+  app->add_option("--limit", options->limit, "At most so many frames, the oldest first")
       ->check(CLI::Range(uint64_t{1}, std::numeric_limits<uint64_t>::max()))
       ->type_name("N");
   return {app, [options] { return Export(*options); }};

@@ -9,6 +9,7 @@
 #include "common/io/io_error.h"
 #include "common/util/clock.h"
 #include "proto/experience_bounds.h"
+#include "replay/storage/columns_file.h"
 #include "replay/storage/segment_log.h"
 #include "replay/storage/state_file.h"
 #include "replay/tools/imported_arrays.h"
@@ -19,19 +20,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string BoundsText(const std::vector<ColumnSpec>& columns) {
+  std::string text;
+  for (const ColumnSpec& column : columns) {
+    text += fmt::format("{}{} within [-{}, {}]", text.empty() ? "" : ", ", column.name, column.bound,
+                        column.bound);
+  }
+  return text;
+}
+
 // How far ahead of this machine's another's clock may be.
 constexpr uint64_t kClockSkewNs = uint64_t{86400} * 1'000'000'000;
 
 // The log of one shard, written chunk by chunk; what its restart must know goes into the state file.
 class ShardWriter {
  public:
-  static Result<std::unique_ptr<ShardWriter>> Create(const fs::path& directory, uint64_t schema) {
+  static Result<std::unique_ptr<ShardWriter>> Create(const fs::path& directory, const StepSpec& spec) {
     auto writer = std::make_unique<ShardWriter>();
+    const uint64_t schema = SchemaHash(spec);
     SegmentLog::Recovery recovery;
     DADRL_ASSIGN_OR_RETURN(writer->log_, SegmentLog::Open(
                                              {.directory = directory, .schema = schema},
                                              [](const auto&, auto) { return true; }, recovery));
     writer->state_.schema = schema;
+    DADRL_RETURN_IF_ERROR(WriteColumns(directory, spec));
     return writer;
   }
   // False when the chunk's incarnation is one that a replay would not take any more.
@@ -67,7 +79,8 @@ class Importer {
         bounds_(bounds),
         shards_(std::move(shards)),
         builder_(arrays.spec(), arrays.floats()),
-        observation_(arrays.spec()) {}
+        columns_(arrays.spec(), 1),
+        decision_(arrays.spec().decision_floats()) {}
 
   Status Run() {
     for (uint64_t row = 0; row < arrays_.rows(); ++row) DADRL_RETURN_IF_ERROR(AddRow(row));
@@ -87,9 +100,10 @@ class Importer {
   };
 
   Status AddRow(uint64_t row) {
-    const Place place{
-        arrays_.Value<uint32_t>(Column::kActor, row), arrays_.Value<uint64_t>(Column::kIncarnation, row),
-        arrays_.Value<uint64_t>(Column::kEpisode, row), arrays_.Value<uint32_t>(Column::kStep, row)};
+    const Place place{arrays_.Value<uint32_t>(StepArray::kActor, row),
+                      arrays_.Value<uint64_t>(StepArray::kIncarnation, row),
+                      arrays_.Value<uint64_t>(StepArray::kEpisode, row),
+                      arrays_.Value<uint32_t>(StepArray::kStep, row)};
     if (place != next_ || ended_ || builder_.full()) {
       DADRL_RETURN_IF_ERROR(Flush(row));
       builder_.Begin(place.episode, place.step);
@@ -100,35 +114,36 @@ class Importer {
   }
 
   Status AddFrame(uint64_t row) {
-    DADRL_RETURN_IF_ERROR(LoadObservation(row));
+    for (size_t i = 0; i < arrays_.spec().observation.size(); ++i) {
+      DADRL_RETURN_IF_ERROR(LoadColumn(i, row));
+    }
     DADRL_RETURN_IF_ERROR(CheckFlags(row));
-    if (arrays_.Value<uint8_t>(Column::kHasAction, row) == 0) {
-      builder_.AddFinal(observation_);
+    if (arrays_.Value<uint8_t>(StepArray::kHasDecision, row) == 0) {
+      builder_.AddFinal(columns_);
       ended_ = true;
       return {};
     }
-    Action action{};
-    std::memcpy(action.data(), arrays_.Row(Column::kActions, row).data(), sizeof(action));
-    const auto reward = arrays_.Value<float>(Column::kRewards, row);
-    DADRL_RETURN_IF_ERROR(CheckDecision(row, action, reward));
-    const bool terminated = arrays_.Value<uint8_t>(Column::kTerminated, row) != 0;
-    const bool truncated = arrays_.Value<uint8_t>(Column::kTruncated, row) != 0;
+    LoadDecision(row);
+    const auto reward = arrays_.Value<float>(StepArray::kRewards, row);
+    DADRL_RETURN_IF_ERROR(CheckDecision(row, reward));
+    const bool terminated = arrays_.Value<uint8_t>(StepArray::kTerminated, row) != 0;
+    const bool truncated = arrays_.Value<uint8_t>(StepArray::kTruncated, row) != 0;
     builder_.AddTransition(
-        observation_, action, reward,
+        columns_, decision_, reward,
         static_cast<uint8_t>((terminated ? kTerminated : 0) | (truncated ? kTruncated : 0)),
-        arrays_.Value<uint32_t>(Column::kPolicyVersion, row));
+        arrays_.Value<uint32_t>(StepArray::kPolicyVersion, row));
     ++transitions_;
     ended_ = terminated;
     return {};
   }
 
   Status CheckFlags(uint64_t row) const {
-    for (const Column column : {Column::kHasAction, Column::kTerminated, Column::kTruncated}) {
-      if (arrays_.Value<uint8_t>(column, row) <= 1) continue;
+    for (const StepArray array : {StepArray::kHasDecision, StepArray::kTerminated, StepArray::kTruncated}) {
+      if (arrays_.Value<uint8_t>(array, row) <= 1) continue;
       return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds something else than 0 and 1", row,
-                  arrays_.Name(column));
+                  arrays_.Name(IndexOf(arrays_.spec(), array)));
     }
-    const auto incarnation = arrays_.Value<uint64_t>(Column::kIncarnation, row);
+    const auto incarnation = arrays_.Value<uint64_t>(StepArray::kIncarnation, row);
     if (incarnation <= static_cast<uint64_t>(WallTimeNs()) + kClockSkewNs) return {};
     return Fail(
         ErrorCode::kInvalidArgument,
@@ -136,10 +151,19 @@ class Importer {
         incarnation);
   }
 
-  Status CheckDecision(uint64_t row, const Action& action, float reward) const {
-    if (!IsPossibleAction(action)) {
-      return Fail(ErrorCode::kInvalidArgument, "row {}: the action ({}, {}) is not within [-1, 1]", row,
-                  action[0], action[1]);
+  void LoadDecision(uint64_t row) {
+    const StepSpec& spec = arrays_.spec();
+    float* to = decision_.data();
+    for (size_t i = 0; i < spec.decision.size(); ++i) {
+      std::memcpy(to, arrays_.Row(spec.observation.size() + i, row).data(), spec.decision[i].bytes());
+      to += spec.decision[i].elements();
+    }
+  }
+
+  Status CheckDecision(uint64_t row, float reward) const {
+    if (!IsPossibleDecision(arrays_.spec(), decision_)) {
+      return Fail(ErrorCode::kInvalidArgument, "row {}: the decision ({}) is beyond its columns' bounds: {}",
+                  row, fmt::join(decision_, ", "), BoundsText(arrays_.spec().decision));
     }
     if (bounds_.AllowsReward(reward)) return {};
     return Fail(ErrorCode::kInvalidArgument,
@@ -148,28 +172,31 @@ class Importer {
                 row, reward, bounds_.reward);
   }
 
-  Status LoadObservation(uint64_t row) {
-    const auto load = [&](Column column, std::vector<float>& values) {
-      std::memcpy(values.data(), arrays_.Row(column, row).data(), values.size() * sizeof(float));
-      return ArePossibleFeatures(values);
-    };
-    const bool possible =
-        load(Column::kVehicles, observation_.vehicles) && load(Column::kEgo, observation_.ego);
-    const std::span<const std::byte> pixels = arrays_.Row(Column::kContext, row);
-    std::fill(observation_.context.begin(), observation_.context.end(), uint8_t{0});
+  Status LoadColumn(size_t index, uint64_t row) {
+    const ColumnSpec& column = arrays_.spec().observation[index];
+    const std::span<const std::byte> from = arrays_.Row(index, row);
+    if (column.type == ElementType::kBit) return LoadBits(index, row, from);
+    const std::span<float> values = columns_.floats(index);
+    std::memcpy(values.data(), from.data(), values.size_bytes());
+    bool possible = true;
+    for (const float value : values) possible &= std::abs(value) <= column.bound;
+    if (possible) return {};
+    return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds a number that is not within [-{}, {}]",
+                row, arrays_.Name(index), column.bound, column.bound);
+  }
+
+  Status LoadBits(size_t index, uint64_t row, std::span<const std::byte> from) {
+    const std::span<uint8_t> bits = columns_.bits(index);
+    std::ranges::fill(bits, uint8_t{0});
     bool binary = true;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-      const auto pixel = static_cast<uint8_t>(pixels[i]);
-      binary = binary && pixel <= 1;
-      observation_.context[i / 8] =
-          static_cast<uint8_t>(observation_.context[i / 8] | (pixel & 1) << (i % 8));
+    for (size_t i = 0; i < from.size(); ++i) {
+      const auto bit = static_cast<uint8_t>(from[i]);
+      binary = binary && bit <= 1;
+      bits[i / 8] = static_cast<uint8_t>(bits[i / 8] | (bit & 1) << (i % 8));
     }
-    if (possible && binary) return {};
-    return Fail(ErrorCode::kInvalidArgument, "row {}: {}", row,
-                possible
-                    ? "context.npy holds something else than 0 and 1"
-                    : fmt::format("vehicles.npy or ego.npy holds a number that is not within [-{0}, {0}]",
-                                  ObservationSpec::kFeatureBound));
+    if (binary) return {};
+    return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds something else than 0 and 1", row,
+                arrays_.Name(index));
   }
 
   // Stores the chunk under way, which ends before `row`.
@@ -202,7 +229,8 @@ class Importer {
   const ExperienceBounds bounds_;
   const std::vector<std::unique_ptr<ShardWriter>> shards_;
   ChunkBuilder builder_;
-  Observation observation_;
+  Columns columns_;
+  std::vector<float> decision_;
   Place next_;
   bool ended_ = false;  // the last frame was an episode's last
   uint64_t transitions_ = 0;
@@ -249,7 +277,7 @@ Status Fill(const NewFolder& folder, const ImportedArrays& arrays, const Experie
             uint32_t shards) {
   std::vector<std::unique_ptr<ShardWriter>> writers;
   for (uint32_t shard = 0; shard < shards; ++shard) {
-    DADRL_ASSIGN_OR_RETURN(auto writer, ShardWriter::Create(folder.Shard(shard), SchemaHash(arrays.spec())));
+    DADRL_ASSIGN_OR_RETURN(auto writer, ShardWriter::Create(folder.Shard(shard), arrays.spec()));
     writers.push_back(std::move(writer));
   }
   return Importer(arrays, bounds, std::move(writers)).Run();

@@ -10,7 +10,7 @@
 
 #include "common/config/config.h"
 #include "common/io/mapped_file.h"
-#include "common/model/observation.h"
+#include "common/step/step_spec.h"
 #include "common/util/result.h"
 #include "replay/tools/array_layout.h"
 
@@ -23,20 +23,20 @@ class ImportedArrays {
   // index says. What the numbers are is not looked at.
   static Result<ImportedArrays> Open(const std::filesystem::path& folder);
 
-  // `row` < rows().
-  std::span<const std::byte> Row(Column column, uint64_t row) const {
-    const auto& [layout, values, file] = columns_[static_cast<size_t>(column)];
+  // Of array `index` of ArrayLayouts; `row` < rows().
+  std::span<const std::byte> Row(size_t index, uint64_t row) const {
+    const auto& [layout, values, file] = arrays_[index];
     return values.subspan(row * layout.row_bytes, layout.row_bytes);
   }
   template <typename T>
-  T Value(Column column, uint64_t row) const {
+  T Value(StepArray array, uint64_t row) const {
     T value;
-    std::memcpy(&value, Row(column, row).data(), sizeof(T));
+    std::memcpy(&value, Row(IndexOf(spec_, array), row).data(), sizeof(T));
     return value;
   }
-  const std::string& Name(Column column) const { return columns_[static_cast<size_t>(column)].layout.name; }
+  const std::string& Name(size_t index) const { return arrays_[index].layout.name; }
   uint64_t rows() const { return rows_; }
-  const ObservationSpec& spec() const { return spec_; }
+  const StepSpec& spec() const { return spec_; }
   FloatCoding floats() const { return floats_; }
 
  private:
@@ -46,11 +46,13 @@ class ImportedArrays {
     MappedFile file;
   };
   Status ReadIndex(const std::filesystem::path& path);
+  std::filesystem::path FileOf(const std::filesystem::path& folder, const ArrayLayout& layout) const;
 
+  uint64_t format_ = 0;
   uint64_t rows_ = 0;
-  ObservationSpec spec_;
+  StepSpec spec_;
   FloatCoding floats_ = FloatCoding::kFloat16;
-  std::vector<Mapped> columns_;
+  std::vector<Mapped> arrays_;
 };
 
 }  // namespace dadrl

@@ -15,8 +15,8 @@ namespace {
 
 struct Contents {
   uint64_t chunks = 0;
-  uint64_t frames = 0;       // observations
-  uint64_t transitions = 0;  // frames with an action
+  uint64_t frames = 0;       // steps, and what was seen after truncations
+  uint64_t transitions = 0;  // frames with a decision
   uint64_t payload_bytes = 0;
   uint64_t episodes = 0;
   uint64_t terminated = 0;
@@ -39,7 +39,7 @@ struct Contents {
     for (int frame = 0; frame < chunk.frames(); ++frame) {
       const uint8_t flags = chunk.flags(frame);
       ++frames;
-      if ((flags & kHasAction) == 0) continue;
+      if ((flags & kHasDecision) == 0) continue;
       ++transitions;
       terminated += (flags & kTerminated) != 0;
       truncated += (flags & kTruncated) != 0;
@@ -86,7 +86,9 @@ nlohmann::ordered_json Json(const ShardReader& reader, const Contents& c) {
           {"incarnations", c.incarnations.size()},
           {"policy_versions",
            {{"oldest", c.transitions == 0 ? 0 : c.oldest_version}, {"newest", c.newest_version}}},
-          {"observation", {{"vehicles", reader.spec().vehicles}, {"history", reader.spec().history}}},
+          {"columns",
+           {{"observation", ColumnsText(reader.spec().observation)},
+            {"decision", ColumnsText(reader.spec().decision)}}},
           {"snapshots", {{"count", snapshots.snapshots}, {"bytes_only_there", snapshots.bytes}}},
           {"damaged_bytes", c.damaged_bytes}};
 }

@@ -1,11 +1,11 @@
 #include "replay/tools/shard_reader.h"
 
 #include <algorithm>
-#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "common/io/link_file.h"
+#include "replay/storage/columns_file.h"
 #include "replay/storage/segment_format.h"
 #include "replay/storage/segment_log.h"
 
@@ -13,18 +13,6 @@ namespace dadrl {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A hash names the spec only to who tries them all; there are few.
-std::optional<ObservationSpec> SpecOfSchema(uint64_t schema) {
-  constexpr int kMost = 64;  // the ranges of observation.vehicles and observation.history are within
-  for (int vehicles = 1; vehicles <= kMost; ++vehicles) {
-    for (int history = 1; history <= kMost; ++history) {
-      const ObservationSpec spec{.vehicles = vehicles, .history = history};
-      if (SchemaHash(spec) == schema) return spec;
-    }
-  }
-  return std::nullopt;
-}
 
 std::vector<fs::path> SubFoldersOfShards(const fs::path& directory) {
   std::vector<fs::path> shards;
@@ -96,18 +84,17 @@ Status ShardReader::FindSchema() {
                   header.version, kSegmentVersion);
     }
     if (first != nullptr && header.schema != schema_) {
-      return Fail(ErrorCode::kCorrupt, "{} and {} hold different observations", first->path.string(),
+      return Fail(ErrorCode::kCorrupt, "{} and {} hold different steps", first->path.string(),
                   segment.path.string());
     }
     first = &segment;
     schema_ = header.schema;
   }
-  const auto spec = SpecOfSchema(schema_);
-  if (first == nullptr || !spec) {
-    return Fail(ErrorCode::kCorrupt, "{}: no segment says what its observations look like (schema {:#x})",
-                segments_.front().path.parent_path().string(), schema_);
+  if (first == nullptr) {
+    return Fail(ErrorCode::kCorrupt, "{}: no segment says what its steps hold",
+                segments_.front().path.parent_path().string());
   }
-  spec_ = *spec;
+  DADRL_ASSIGN_OR_RETURN(spec_, ReadColumns(first->path.parent_path(), schema_));
   return {};
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/io/mapped_file.h"
-#include "common/model/observation.h"
+#include "common/step/step_spec.h"
 #include "common/util/result.h"
 #include "proto/experience.h"
 
@@ -35,8 +35,7 @@ class ShardReader {
                                              const ChunkView& chunk)>& visit,
                     const std::function<void(const Damage&)>& on_damage) const;
 
-  // What the observations look like; follows from the schema.
-  const ObservationSpec& spec() const { return spec_; }
+  const StepSpec& spec() const { return spec_; }
   uint64_t schema() const { return schema_; }
   size_t segments() const { return segments_.size(); }
   uint64_t bytes() const;
@@ -59,7 +58,7 @@ class ShardReader {
   std::vector<SegmentFile> segments_;
   std::vector<Damage> refused_;  // files
   uint64_t schema_ = 0;
-  ObservationSpec spec_;
+  StepSpec spec_;
 };
 
 }  // namespace dadrl

@@ -83,6 +83,7 @@ Result<int> Verify(const Options& options) {
   reader.ForEachChunk(
       [&](const std::filesystem::path& file, uint64_t offset, const ChunkView& chunk) {
         Status sound = CheckRewards(chunk, bounds);
+        if (sound) sound = CheckDecisions(chunk, reader.spec());
         if (sound) sound = verifier.Check(chunk);
         if (!sound) {
           findings.Add({file, offset, chunk.bytes().size(), sound.error().message});

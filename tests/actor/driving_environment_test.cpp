@@ -10,6 +10,7 @@
 
 #include "actor/sim/traffic.h"
 #include "common/util/random.h"
+#include "tests/driving_columns.h"
 
 namespace dadrl {
 namespace {
@@ -66,16 +67,16 @@ TEST(DrivingEnvironment, ObservationIsWholeAndInRange) {
   const auto environment = Make(TestConfig());
   const Record record = Drive(*environment, 1'000'002, 9);
   for (const Observation& observation : record.observations) {
-    ASSERT_EQ(observation.vehicles.size(), 6U * 5 * 7);
-    ASSERT_EQ(observation.ego.size(), 5U * 20);
-    for (const float value : observation.vehicles) ASSERT_LE(std::abs(value), 5.0f);
-    for (const float value : observation.ego) ASSERT_LE(std::abs(value), 5.0f);
+    ASSERT_EQ(VehiclesOf(observation).size(), 6U * 5 * 7);
+    ASSERT_EQ(EgoOf(observation).size(), 5U * 20);
+    for (const float value : VehiclesOf(observation)) ASSERT_LE(std::abs(value), 5.0f);
+    for (const float value : EgoOf(observation)) ASSERT_LE(std::abs(value), 5.0f);
     // The ego is where it is: the newest row is the origin of its own frame.
-    EXPECT_EQ(observation.ego[80], 0.0f);
-    EXPECT_NEAR(observation.ego[81], 0.0, 1e-6);
-    EXPECT_NEAR(observation.ego[83], 1.0, 1e-6);
+    EXPECT_EQ(EgoOf(observation)[80], 0.0f);
+    EXPECT_NEAR(EgoOf(observation)[81], 0.0, 1e-6);
+    EXPECT_NEAR(EgoOf(observation)[83], 1.0, 1e-6);
   }
-  EXPECT_EQ(record.observations.front().ego[60], 1.0f);  // nothing was before the spawn
+  EXPECT_EQ(EgoOf(record.observations.front())[60], 1.0f);  // nothing was before the spawn
 }
 
 TEST(DrivingEnvironment, ADecisionsRewardIsTheDiscountedSumOfItsSteps) {

@@ -26,7 +26,7 @@ void Print(const std::string& name, double value_us, double limit_us) {
 bool Measure(int present, const std::string& name) {
   constexpr int kObservations = 32;
   constexpr int kRepetitions = 8000;
-  const ObservationSpec spec;
+  const DrivingShape spec;
   const ModelConfig model;
   ActingPolicy policy(spec, model);
   std::vector<float> parameters(policy.parameter_count());
@@ -38,7 +38,7 @@ bool Measure(int present, const std::string& name) {
   std::vector<Observation> observations(kObservations, Observation(spec));
   Random random(1);
   for (Observation& o : observations) {
-    FillRoad(spec, random, present, o.vehicles.data(), o.ego.data(), o.context.data());
+    FillRoad(spec, random, present, VehiclesOf(o).data(), EgoOf(o).data(), ContextOf(o).data());
   }
   double peak = CorePeakGflops();
   std::vector<double> seconds;

@@ -39,7 +39,7 @@ class ChunkStream {
       std::vector<std::vector<std::byte>> chunks;
       const SyntheticChunk chunk{.identity = {1, 1, 1}, .frames = kFrames, .end = kTerminated};
       for (uint64_t seed = 0; seed < kDistinct; ++seed) {
-        chunks.push_back(MakeSyntheticChunk(ObservationSpec{}, chunk, seed));
+        chunks.push_back(MakeSyntheticChunk(DrivingShape{}, chunk, seed));
       }
       return chunks;
     }();

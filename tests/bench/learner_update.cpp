@@ -52,7 +52,7 @@ bool Measure(const Case& c) {
     fmt::print(stderr, "error: {}\n", algorithm.error().message);
     return false;
   }
-  const TransitionBatch batch = RoadBatch(ObservationSpec::From(config.observation), c.batch_size);
+  const TrajectoryBatch batch = RoadBatch(DrivingShape::From(config.observation), c.batch_size);
   double peak = 0.0;
   std::vector<double> seconds;
   const double end = Seconds() + kCaseSeconds;

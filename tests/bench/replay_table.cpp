@@ -30,6 +30,7 @@
 #include "tests/bench/chunk_stream.h"
 #include "tests/bench/figure.h"
 #include "tests/bench/help.h"
+#include "tests/driving_columns.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl::bench {
@@ -37,7 +38,7 @@ namespace {
 
 constexpr const char* kBench = "replay_table";
 constexpr uint32_t kItems = 1000000;
-const ObservationSpec kSpec;
+const DrivingShape kSpec;
 volatile uint64_t sink;
 
 double Seconds(const std::function<void()>& work) {
@@ -101,10 +102,10 @@ void Draws() {
 std::vector<std::byte> Plain(const Observation& observation) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  for (const auto* values : {&observation.vehicles, &observation.ego}) {
-    for (const float value : *values) writer.Put(HalfFromFloat(value));
+  for (const auto values : {VehiclesOf(observation), EgoOf(observation)}) {
+    for (const float value : values) writer.Put(HalfFromFloat(value));
   }
-  writer.PutBytes(std::as_bytes(std::span(observation.context)));
+  writer.PutBytes(std::as_bytes(ContextOf(observation)));
   return bytes;
 }
 
@@ -135,7 +136,7 @@ void Codec() {
       ZSTD_decompress(plain[i].data(), plain[i].size(), packed[i].data(), packed[i].size());
     }
   });
-  FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  PayloadCodec codec(kSpec, FloatCoding::kFloat16);
   std::vector<std::vector<std::byte>> coded(kFrames);
   const double encode = BestSeconds([&] {
     for (size_t i = 0; i < kFrames; ++i) {
@@ -146,7 +147,7 @@ void Codec() {
   Observation decoded(kSpec);
   const double decode = BestSeconds([&] {
     for (const auto& payload : coded) {
-      if (!codec.Decode(payload, decoded.vehicles, decoded.ego, decoded.context)) std::abort();
+      if (!codec.Decode(payload, decoded)) std::abort();
     }
   });
   PrintCost(kBench, "frame payload, synthetic junction", MeanSize(coded), "B", MeanSize(packed));
@@ -155,12 +156,8 @@ void Codec() {
 }
 
 TableOptions Options(const std::filesystem::path& directory) {
-  TableOptions options{.directory = directory,
-                       .schema = SchemaHash(kSpec),
-                       .replay = {},
-                       .n_step = 3,
-                       .seed = 1,
-                       .verify = nullptr};
+  TableOptions options{
+      .directory = directory, .spec = kSpec, .replay = {}, .n_step = 3, .seed = 1, .verify = nullptr};
   options.replay.min_size = 1;
   options.replay.samples_per_insert = 0.0;
   options.replay.sync = SyncMode::kNone;
@@ -231,9 +228,9 @@ bool Table(const std::filesystem::path& directory) {
     uint64_t batch_bytes = 0;
     const double sampled = Seconds([&] {
       for (int i = 0; i < kBatches; ++i) {
-        const auto batch = (*table)->Sample(256, 3, 0);
+        const auto batch = (*table)->Sample({256, 3}, 0);
         if (!batch) std::abort();
-        batch_bytes += EncodeSampleBatch(batch->items, 1).size();
+        batch_bytes += EncodeTrajectories(batch->trajectories, {256, 3}, 1).size();
       }
     });
     const double copied = Seconds([&] {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Duration kWait = std::chrono::milliseconds(50);
 constexpr Duration kResendAfter = std::chrono::seconds(2);
-const ObservationSpec kSpec;
+const DrivingShape kSpec;
 
 TimePoint Now() { return SystemClock().Now(); }
 
@@ -163,8 +163,8 @@ Numbers Fetch(const Config& config, const Fetching& fetching) {
     request.learner = static_cast<uint64_t>(getpid());
     request.request = number;
     request.protocol = kProtocolVersion;
-    request.batch_size = fetching.batch_size;
-    request.n_step = static_cast<uint32_t>(config.algorithm.n_step);
+    request.trajectories = fetching.batch_size;
+    request.steps = static_cast<uint32_t>(config.algorithm.n_step);
     request.schema = SchemaHash(kSpec);
     if (!requests->Write(request)) spdlog::error("a request was not sent");
   };

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/config/config_yaml.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "tests/replay/service/stored_chunks.h"
 
 namespace dadrl {
@@ -19,7 +19,7 @@ inline void ExpectEveryChunkOnce(const std::filesystem::path& run) {
   Config config;
   ASSERT_TRUE(LoadYaml(run / "config.yaml", config));
   const auto chunks =
-      ReadStoredChunks(run / "replay" / "shard-0", SchemaHash(ObservationSpec::From(config.observation)));
+      ReadStoredChunks(run / "replay" / "shard-0", SchemaHash(DrivingShape::From(config.observation)));
   ASSERT_TRUE(chunks) << chunks.error().message;
   std::map<std::pair<uint32_t, uint64_t>, uint64_t> last;  // by actor and incarnation
   for (const auto& [identity, copies] : *chunks) {

@@ -5,7 +5,8 @@
 
 #include <set>
 
-#include "proto/sequence_batch.h"
+#include "proto/trajectory_codec.h"
+#include "tests/driving_columns.h"
 #include "tests/learner/cluster_fixture.h"
 
 namespace dadrl {
@@ -15,6 +16,7 @@ using namespace std::chrono_literals;
 
 constexpr uint64_t kIncarnation = 77;
 constexpr int kBatchSize = 16;
+constexpr TrajectoryShape kShape{.count = kBatchSize, .steps = 2};
 constexpr Duration kPatience = 20s;
 
 class BatchFetcherTest : public testing::Test {
@@ -22,14 +24,13 @@ class BatchFetcherTest : public testing::Test {
   BatchFetcherTest() {
     config_.cluster = dds::LoopbackCluster();
     config_.algorithm.batch_size = kBatchSize;
-    config_.algorithm.gamma = 0.5;
     config_.learner.credits = 2;
   }
   // Time-outs far away, so that only the tests about them see one.
   void StartFetcher(FetchOptions options = {.request_timeout = 60s, .corrupt_pause = 20ms}) {
     node_ = dds::Node::Create(config_.cluster, config_.replay.shards, dds::Role::kLearner, 0).value();
-    fetcher_ = BatchFetcher<TransitionBatch>::Create(
-                   *node_, config_, kIncarnation, [] { return 9u; }, options)
+    fetcher_ = BatchFetcher::Create(
+                   *node_, config_, kShape, kIncarnation, [] { return 9u; }, options)
                    .value();
   }
   std::unique_ptr<TestShard> StartShard(int index = 0) {
@@ -38,9 +39,9 @@ class BatchFetcherTest : public testing::Test {
   std::vector<std::byte> Batch(uint64_t first_key) const { return maker_.Make(kBatchSize, first_key); }
 
   Config config_;
-  const BatchMaker maker_{ObservationSpec{}};
+  const BatchMaker maker_{DrivingShape{}};
   std::unique_ptr<dds::Node> node_;
-  std::unique_ptr<BatchFetcher<TransitionBatch>> fetcher_;
+  std::unique_ptr<BatchFetcher> fetcher_;
 };
 
 TEST_F(BatchFetcherTest, AsksForWhatTheConfigurationSaysAndDecodesTheReply) {
@@ -49,16 +50,17 @@ TEST_F(BatchFetcherTest, AsksForWhatTheConfigurationSaysAndDecodesTheReply) {
   const auto shard = StartShard();
   const dadrl_idl_BatchRequest request = shard->AwaitRequests(1)[0];
   EXPECT_EQ(request.learner, kIncarnation);
-  EXPECT_EQ(request.batch_size, static_cast<uint32_t>(kBatchSize));
-  EXPECT_EQ(request.n_step, static_cast<uint32_t>(config_.algorithm.n_step));
-  EXPECT_EQ(request.schema, SchemaHash(ObservationSpec{}));
+  EXPECT_EQ(request.trajectories, static_cast<uint32_t>(kBatchSize));
+  EXPECT_EQ(request.steps, static_cast<uint32_t>(kShape.steps));
+  EXPECT_FALSE(request.all_observations);
+  EXPECT_EQ(request.schema, SchemaHash(DrivingShape{}));
   EXPECT_EQ(request.policy_version, 9u);
   shard->Reply(kIncarnation, request.request, Batch(500));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
-  EXPECT_EQ(batch->key[3], 503u);
-  EXPECT_FLOAT_EQ(batch->reward[0], 1.0f + 0.5f * 0.5f);
-  EXPECT_FLOAT_EQ(batch->discount[0], 0.25f);
+  EXPECT_EQ(batch->keys[3], 503u);
+  EXPECT_EQ(batch->rewards[0], 1.0f);
+  EXPECT_EQ(batch->rewards[kBatchSize], 0.5f);
   EXPECT_EQ(fetcher_->stats().bytes, Batch(500).size());
   EXPECT_EQ(fetcher_->stats().frames_held, 1000u);
   fetcher_->Release(batch);
@@ -72,7 +74,7 @@ TEST_F(BatchFetcherTest, PrefetchesUpToTheCreditsWhileNothingIsTaken) {
   for (const auto& request : requests) shard->Reply(kIncarnation, request.request, Batch(1));
   ASSERT_TRUE(Eventually([&] { return fetcher_->stats().batches == 2; }));
   EXPECT_TRUE(shard->TakeRequests().empty());  // both credits stand for a batch that waits
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
   shard->AwaitRequests(1);  // while that one is trained on
   fetcher_->Release(batch);
@@ -84,10 +86,10 @@ TEST_F(BatchFetcherTest, ReusesTheMemoryOfAFewBatches) {
   std::set<const float*> memory;
   for (int taken = 0; taken < 40;) {
     for (const auto& request : shard->TakeRequests()) shard->Reply(kIncarnation, request.request, Batch(1));
-    TransitionBatch* batch = fetcher_->Take(1ms);
+    TrajectoryBatch* batch = fetcher_->Take(1ms);
     if (batch == nullptr) continue;
     ++taken;
-    memory.insert(batch->observation.vehicles.data());
+    memory.insert(VehiclesOf(batch->observations).data());
     fetcher_->Release(batch);
   }
   EXPECT_LE(memory.size(), 3u);
@@ -105,7 +107,7 @@ TEST_F(BatchFetcherTest, GoesOnWhenTheReplayIsRestarted) {
   EXPECT_EQ(after[0].request, before[0].request);
   EXPECT_EQ(after[1].request, before[1].request);
   shard->Reply(kIncarnation, after[1].request, Batch(1));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
   fetcher_->Release(batch);
 }
@@ -130,7 +132,7 @@ TEST_F(BatchFetcherTest, DropsGarbageAndAsksForAnotherBatch) {
   damaged[damaged.size() / 2] ^= std::byte{1};
   std::vector<std::byte> cut = Batch(1);
   cut.resize(cut.size() - 9);
-  const std::vector<std::byte> other_kind = EncodeSequenceBatch({}, 5, SchemaHash(ObservationSpec{}));
+  const std::vector<std::byte> other_kind = EncodeTrajectories({}, {0, 5, true}, SchemaHash(DrivingShape{}));
   uint64_t dropped = 0;
   for (const std::vector<std::byte>& bytes :
        {garbage, damaged, cut, maker_.Make(kBatchSize + 1, 1), other_kind, std::vector<std::byte>(1),
@@ -141,9 +143,9 @@ TEST_F(BatchFetcherTest, DropsGarbageAndAsksForAnotherBatch) {
   }
   EXPECT_EQ(fetcher_->Take(Duration::zero()), nullptr);
   shard->Reply(kIncarnation, shard->AwaitRequests(1)[0].request, Batch(900));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
-  EXPECT_EQ(batch->key[0], 900u);
+  EXPECT_EQ(batch->keys[0], 900u);
   fetcher_->Release(batch);
 }
 
@@ -158,9 +160,9 @@ TEST_F(BatchFetcherTest, IgnoresRepliesToOthersAndToOldRequests) {
   shard->Reply(kIncarnation, request, Batch(400));
   shard->Reply(kIncarnation, request, Batch(500));  // answered before
   ASSERT_TRUE(Eventually([&] { return fetcher_->stats().stale == 2 && fetcher_->stats().foreign == 2; }));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
-  EXPECT_EQ(batch->key[0], 400u);
+  EXPECT_EQ(batch->keys[0], 400u);
   EXPECT_EQ(fetcher_->Take(Duration::zero()), nullptr);
   EXPECT_EQ(fetcher_->stats().batches, 1u);
   fetcher_->Release(batch);
@@ -176,7 +178,7 @@ TEST_F(BatchFetcherTest, SaysWhatItWaitsFor) {
   EXPECT_TRUE(Eventually([&] { return fetcher_->waiting_for() == Activity::kWaitForInserts; }));
   // A withheld request is answered in the end, under its number.
   shard->Reply(kIncarnation, requests[0].request, Batch(1));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
   fetcher_->Release(batch);
 }
@@ -186,13 +188,13 @@ TEST_F(BatchFetcherTest, StopsAndSaysWhyWhenAShardRefusesToServeIt) {
   const auto shard = StartShard();
   const auto requests = shard->AwaitRequests(2);
   shard->Reply(kIncarnation, requests[0].request, Batch(1));
-  shard->Refuse(kIncarnation, requests[1].request, "slices of 3 steps");
+  shard->Refuse(kIncarnation, requests[1].request, "trajectories of 3 steps");
   ASSERT_TRUE(Eventually([&] { return !fetcher_->status(); }));
   EXPECT_EQ(fetcher_->status().error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(fetcher_->status().error().message, testing::HasSubstr("replay 0 refuses"));
-  EXPECT_THAT(fetcher_->status().error().message, testing::HasSubstr("slices of 3 steps"));
+  EXPECT_THAT(fetcher_->status().error().message, testing::HasSubstr("trajectories of 3 steps"));
   // What came before can still be trained on.
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
   fetcher_->Release(batch);
   EXPECT_EQ(fetcher_->Take(Duration::zero()), nullptr);
@@ -205,7 +207,7 @@ TEST_F(BatchFetcherTest, SendsPrioritiesToTheShardThatTheBatchCameFrom) {
   const auto second = StartShard(1);
   const dadrl_idl_BatchRequest request = second->AwaitRequests(1)[0];
   second->Reply(kIncarnation, request.request, Batch(40));
-  TransitionBatch* batch = fetcher_->Take(kPatience);
+  TrajectoryBatch* batch = fetcher_->Take(kPatience);
   ASSERT_NE(batch, nullptr);
   std::vector<float> errors(kBatchSize);
   for (size_t i = 0; i < errors.size(); ++i) errors[i] = 0.5f * static_cast<float>(i);
@@ -222,7 +224,7 @@ TEST_F(BatchFetcherTest, SendsPrioritiesToTheShardThatTheBatchCameFrom) {
     });
     return !keys.empty();
   }));
-  EXPECT_EQ(keys, batch->key);
+  EXPECT_EQ(keys, batch->keys);
   EXPECT_EQ(priorities, errors);
   fetcher_->Release(batch);
 }

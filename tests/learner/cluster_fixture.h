@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "proto/sample_batch.h"
 #include "proto/topics.h"
+#include "proto/trajectory_codec.h"
 #include "tests/common/dds/dds_fixture.h"
 #include "tests/proto/synthetic_experience.h"
 
@@ -20,23 +20,25 @@ namespace dadrl {
 // Batches as a replay encodes them: item i has the key `first_key` + i.
 class BatchMaker {
  public:
-  explicit BatchMaker(const ObservationSpec& spec) : schema_(SchemaHash(spec)) {
+  explicit BatchMaker(const DrivingShape& spec) : schema_(SchemaHash(spec)) {
     Random random(5);
-    FrameCodec codec(spec, FloatCoding::kFloat32);
+    PayloadCodec codec(spec, FloatCoding::kFloat32);
     codec.Encode(SyntheticObservation(spec, random), frame_);
   }
   std::vector<std::byte> Make(int size, uint64_t first_key, uint32_t policy_version = 1,
                               const std::vector<float>& rewards = {1.0f, 0.5f}) const {
-    std::vector<SampledItem> items;
+    const Action action{0.5f, -0.5f};
+    std::vector<SampledStep> steps;
+    for (const float reward : rewards)
+      steps.push_back({policy_version, reward, std::as_bytes(std::span(action))});
+    const std::span<const std::byte> payloads[] = {frame_, frame_};
+    std::vector<SampledTrajectory> trajectories;
     for (int i = 0; i < size; ++i) {
-      items.push_back({.key = first_key + static_cast<uint64_t>(i),
-                       .policy_version = policy_version,
-                       .action = {0.5f, -0.5f},
-                       .rewards = rewards,
-                       .first = frame_,
-                       .next = frame_});
+      trajectories.push_back(
+          {.key = first_key + static_cast<uint64_t>(i), .steps = steps, .payloads = payloads});
     }
-    return EncodeSampleBatch(items, schema_);
+    const TrajectoryShape shape{.count = size, .steps = static_cast<int>(rewards.size())};
+    return EncodeTrajectories(trajectories, shape, schema_);
   }
 
  private:

@@ -17,7 +17,7 @@ class FakeAlgorithm final : public Algorithm {
   explicit FakeAlgorithm(size_t parameters = 200, uint64_t seed = 3)
       : policy_(parameters, 0.1f), moment_(parameters, 0.0f), random_(Random(seed).state()) {}
 
-  Result<UpdateStats> Update(const TransitionBatch& batch) override {
+  Result<UpdateStats> Update(const TrajectoryBatch& batch) override {
     if (fail_at_ != 0 && updates_ + 1 == fail_at_) {
       return Fail(ErrorCode::kInternal, "critic loss is not finite (nan) in update {}", fail_at_);
     }
@@ -25,17 +25,18 @@ class FakeAlgorithm final : public Algorithm {
     Random random(random_);
     double loss = 0.0;
     for (size_t i = 0; i < policy_.size(); ++i) {
-      const size_t row = i % static_cast<size_t>(batch.size);
-      const float gradient = batch.reward[row] + 0.01f * static_cast<float>(random.Normal());
+      const size_t row = i % static_cast<size_t>(batch.shape.count);
+      const float gradient = batch.rewards[row] + 0.01f * static_cast<float>(random.Normal());
       moment_[i] = 0.9f * moment_[i] + 0.1f * gradient;
       policy_[i] += 0.001f * moment_[i] / (1.0f + static_cast<float>(updates_));
       loss += gradient * gradient;
     }
     random_ = random.state();
-    td_error_.assign(static_cast<size_t>(batch.size), static_cast<float>(updates_));
+    td_error_.assign(static_cast<size_t>(batch.shape.count), static_cast<float>(updates_));
     if (updates_ == run_away_at_) loss = 1e57;
     return UpdateStats{.critic_loss = loss, .temperature = 0.05};
   }
+  TrajectoryShape batch_shape() const override { return {.count = 16}; }
   std::span<const float> td_error() const override { return td_error_; }
   std::span<const float> published_policy() const override { return policy_; }
   uint64_t layout_hash() const override { return 0xfa4e; }

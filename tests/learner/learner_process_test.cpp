@@ -66,6 +66,7 @@ class LearnerProcessTest : public testing::Test {
   LearnerProcessTest() {
     config_.cluster = dds::LoopbackCluster();
     config_.algorithm.batch_size = 16;
+    config_.algorithm.n_step = 2;  // as the shard answers
     config_.model.hidden = 16;
     config_.learner.publish_interval_s = 0.05;
     config_.learner.checkpoint_interval_s = 1.0;
@@ -113,7 +114,7 @@ class LearnerProcessTest : public testing::Test {
   TemporaryFolder folder_;
   const std::filesystem::path log_ = folder_.path() / "learner.log";
   Config config_;
-  const BatchMaker maker_{ObservationSpec{}};
+  const BatchMaker maker_{DrivingShape{}};
   std::thread shard_;
   std::atomic<bool> serving_{false};
   std::atomic<bool> went_back_{false};  // a version came that was not newer than the one before

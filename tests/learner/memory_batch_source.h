@@ -5,38 +5,37 @@
 #include <optional>
 #include <vector>
 
-#include "common/model/transition_batch.h"
+#include "common/step/driving_shape.h"
+#include "common/step/trajectory_batch.h"
 #include "common/util/random.h"
 #include "learner/batch_source.h"
 
 namespace dadrl {
 
 // Batch number i depends on i and the seed alone; starts at `first`. Gives `available` of them, then none.
-class MemoryBatchSource final : public BatchSource<TransitionBatch> {
+class MemoryBatchSource final : public BatchSource {
  public:
   explicit MemoryBatchSource(int batch_size, uint64_t first = 0)
-      : batch_(ObservationSpec{}, batch_size), next_(first) {}
+      : batch_(DrivingShape{}, {.count = batch_size}), next_(first) {}
 
-  TransitionBatch* Take(Duration) override {
+  TrajectoryBatch* Take(Duration) override {
     if (available == 0) return nullptr;
     --available;
     Random random(DeriveSeed(11, next_++));
-    for (float& reward : batch_.reward) reward = static_cast<float>(random.Uniform(-1.0, 1.0));
-    for (float& x : batch_.observation.vehicles) x = static_cast<float>(random.Uniform(-1.0, 1.0));
-    for (float& x : batch_.observation.ego) x = static_cast<float>(random.Uniform(-1.0, 1.0));
-    for (float& x : batch_.next_observation.vehicles) x = static_cast<float>(random.Uniform(-1.0, 1.0));
-    for (float& x : batch_.next_observation.ego) x = static_cast<float>(random.Uniform(-1.0, 1.0));
-    for (float& x : batch_.action) x = static_cast<float>(random.Uniform(-0.9, 0.9));
-    for (uint8_t& bits : batch_.observation.context) bits = static_cast<uint8_t>(random.Next());
-    for (uint8_t& bits : batch_.next_observation.context) bits = static_cast<uint8_t>(random.Next());
-    batch_.discount.assign(batch_.discount.size(), 0.99f);
-    batch_.policy_version.assign(batch_.policy_version.size(), acting_version);
-    if (poisoned) batch_.reward[0] = std::nanf("");
+    for (float& reward : batch_.rewards) reward = static_cast<float>(random.Uniform(-1.0, 1.0));
+    for (size_t i = 0; i < batch_.observations.columns(); ++i) {
+      for (float& x : batch_.observations.floats(i)) x = static_cast<float>(random.Uniform(-1.0, 1.0));
+      for (uint8_t& bits : batch_.observations.bits(i)) bits = static_cast<uint8_t>(random.Next());
+    }
+    for (float& x : batch_.decisions[0]) x = static_cast<float>(random.Uniform(-0.9, 0.9));
+    std::ranges::fill(batch_.steps, 1);
+    std::ranges::fill(batch_.policy_versions, acting_version);
+    if (poisoned) batch_.rewards[0] = std::nanf("");
     ++lent;
     return &batch_;
   }
-  void Release(TransitionBatch*) override { --lent; }
-  void UpdatePriorities(const TransitionBatch&, std::span<const float> td_error) override {
+  void Release(TrajectoryBatch*) override { --lent; }
+  void UpdatePriorities(const TrajectoryBatch&, std::span<const float> td_error) override {
     priorities.assign(td_error.begin(), td_error.end());
   }
   Activity waiting_for() const override { return Activity::kWaitForInserts; }
@@ -50,7 +49,7 @@ class MemoryBatchSource final : public BatchSource<TransitionBatch> {
   Status failure;
 
  private:
-  TransitionBatch batch_;
+  TrajectoryBatch batch_;
   uint64_t next_;
 };
 

@@ -75,7 +75,7 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   const auto path = folder_.path() / "latest";
   const auto policy = LoadPolicy(path);
   ASSERT_TRUE(policy) << policy.error().message;
-  const ObservationSpec spec = ObservationSpec::From(policy->config.observation);
+  const DrivingShape spec = DrivingShape::From(policy->config.observation);
   ActingPolicy acting(spec, policy->config.model);
   ASSERT_TRUE(CheckLayout(policy->policy(), path, acting.layout_hash(), acting.parameter_count()));
   ASSERT_TRUE(acting.Load(policy->policy().parameters));

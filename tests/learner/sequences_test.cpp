@@ -7,6 +7,7 @@
 #include <set>
 
 #include "learner/batch_fetcher.h"
+#include "tests/driving_columns.h"
 #include "tests/replay/service/peer_actor.h"
 #include "tests/replay/service/replay_process.h"
 
@@ -46,8 +47,8 @@ class SequencesOverDdsTest : public testing::Test {
     }
     node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
   }
-  std::unique_ptr<BatchFetcher<SequenceBatch>> Fetcher(const Config& config) const {
-    return BatchFetcher<SequenceBatch>::Create(*node_, config, 77, [] { return 1u; }, {}).value();
+  std::unique_ptr<BatchFetcher> Fetcher(const Config& config) const {
+    return BatchFetcher::Create(*node_, config, {kBatch, kLength, true}, 77, [] { return 1u; }, {}).value();
   }
   // Actor `shard` + 1 drives episodes of 1 to 17 decisions and sends them in chunks of 1 to 4: most sequences
   // cross a border between chunks. The final frame of a truncated episode sometimes is a chunk of its own;
@@ -98,8 +99,8 @@ class SequencesOverDdsTest : public testing::Test {
     return starts;
   }
   // Compares sequence `i` with what was driven, frame by frame. Returns its first reward.
-  float Check(const SequenceBatch& batch, size_t i) const {
-    const float first = batch.reward[i * kLength];
+  float Check(const TrajectoryBatch& batch, size_t i) const {
+    const float first = batch.rewards[i];
     const auto value = static_cast<uint64_t>(first / kTestScale);
     const auto actor = static_cast<uint32_t>(value / 10000);
     const uint64_t number = value % 10000 / 100;
@@ -113,15 +114,15 @@ class SequencesOverDdsTest : public testing::Test {
     EXPECT_EQ(batch.terminated[i], at_end && episode.end == kTerminated);
     EXPECT_EQ(batch.truncated[i], at_end && episode.end == kTruncated);
     for (int t = 0; t <= kLength; ++t) {
-      const size_t row = i * (kLength + 1) + static_cast<size_t>(t);
+      const size_t row = static_cast<size_t>(t) * batch.steps.size() + i;
       const bool there = t < steps || (t == steps && !batch.terminated[i]);
       const float wanted = there ? TestReward(actor, number, start + static_cast<uint32_t>(t)) : 0.0f;
-      EXPECT_EQ(batch.observation.ego[row * 20 + 1], wanted);
+      EXPECT_EQ(EgoOf(batch.observations)[row * 20 + 1], wanted);
       if (t == kLength) continue;
-      const size_t step = i * kLength + static_cast<size_t>(t);
-      EXPECT_EQ(batch.reward[step], t < steps ? wanted : 0.0f);
-      EXPECT_EQ(batch.action[2 * step], t < steps ? 0.5f : 0.0f);
-      EXPECT_EQ(batch.policy_version[step], t < steps ? number : 0u);
+      const size_t step = row;
+      EXPECT_EQ(batch.rewards[step], t < steps ? wanted : 0.0f);
+      EXPECT_EQ(batch.decisions[0][2 * step], t < steps ? 0.5f : 0.0f);
+      EXPECT_EQ(batch.policy_versions[step], t < steps ? number : 0u);
     }
     return first;
   }
@@ -140,7 +141,7 @@ TEST_F(SequencesOverDdsTest, ArriveFrameByFrameAsTheyWereDrivenAndEndWithTheirEp
   std::set<float> missing = Starts();
   int ends[3] = {};  // whole, terminated, truncated
   ASSERT_TRUE(Eventually([&] {
-    SequenceBatch* batch = fetcher->Take(kPatience);
+    TrajectoryBatch* batch = fetcher->Take(kPatience);
     if (batch == nullptr) return true;
     for (size_t i = 0; i < kBatch; ++i) {
       missing.erase(Check(*batch, i));
@@ -160,7 +161,7 @@ TEST_F(SequencesOverDdsTest, GoOnWhenAShardIsKilledAndComesBack) {
   const auto fetcher = Fetcher(config_);
   for (int shard = 0; shard < kShards; ++shard) Drive(shard, 20);
   const auto from = [&](uint32_t actor) {
-    SequenceBatch* batch = fetcher->Take(kPatience);
+    TrajectoryBatch* batch = fetcher->Take(kPatience);
     if (batch == nullptr) return false;
     const float first = Check(*batch, 0);
     fetcher->Release(batch);
@@ -183,19 +184,19 @@ TEST_F(SequencesOverDdsTest, AReplayWithoutThemRefusesTheLearnerWithTheReason) {
   ASSERT_TRUE(Eventually([&] { return !fetcher->status(); }));
   EXPECT_EQ(fetcher->status().error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(fetcher->status().error().message,
-              testing::HasSubstr("sequences of 5 decisions; this replay was started with "
-                                 "replay.sequence_length 0"));
+              testing::HasSubstr("trajectories of 5 steps with all observations; this replay was "
+                                 "started with replay.sequence_length 0"));
 }
 
 TEST_F(SequencesOverDdsTest, EachKindNeedsAReplayThatServesIt) {
   node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
   const auto newest = [] { return 1u; };
-  const auto transitions = BatchFetcher<TransitionBatch>::Create(*node_, config_, 77, newest, {});
+  const auto transitions = BatchFetcher::Create(*node_, config_, {kBatch}, 77, newest, {});
   ASSERT_FALSE(transitions);
   EXPECT_EQ(transitions.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(transitions.error().message, testing::HasSubstr("replay.sequence_period: 2"));
   config_.replay.sequence_length = 0;
-  const auto sequences = BatchFetcher<SequenceBatch>::Create(*node_, config_, 77, newest, {});
+  const auto sequences = BatchFetcher::Create(*node_, config_, {kBatch, kLength, true}, 77, newest, {});
   ASSERT_FALSE(sequences);
   EXPECT_EQ(sequences.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(sequences.error().message, testing::HasSubstr("replay.sequence_length: 0"));

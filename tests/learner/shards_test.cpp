@@ -31,8 +31,7 @@ class ShardsTest : public testing::Test {
       replays_[static_cast<size_t>(shard)]->Start();
     }
     learner_node_ = dds::Node::Create(config_.cluster, 2, dds::Role::kLearner, 0).value();
-    fetcher_ =
-        BatchFetcher<TransitionBatch>::Create(*learner_node_, config_, 77, [] { return 1u; }, {}).value();
+    fetcher_ = BatchFetcher::Create(*learner_node_, config_, {kBatch}, 77, [] { return 1u; }, {}).value();
   }
   // Actor `shard` + 1 fills its shard with episodes of four frames.
   void Fill(int shard, int episodes) {
@@ -46,9 +45,9 @@ class ShardsTest : public testing::Test {
   std::array<int, 2> Take(int count) {
     std::array<int, 2> from{};
     for (int i = 0; i < count; ++i) {
-      TransitionBatch* batch = fetcher_->Take(kPatience);
+      TrajectoryBatch* batch = fetcher_->Take(kPatience);
       if (batch == nullptr) break;
-      ++from[batch->reward[0] < TestReward(2, 0, 0) ? 0 : 1];
+      ++from[batch->rewards[0] < TestReward(2, 0, 0) ? 0 : 1];
       fetcher_->Release(batch);
     }
     return from;
@@ -58,7 +57,7 @@ class ShardsTest : public testing::Test {
   Config config_;
   std::array<std::unique_ptr<ReplayProcess>, 2> replays_;
   std::unique_ptr<dds::Node> learner_node_;
-  std::unique_ptr<BatchFetcher<TransitionBatch>> fetcher_;
+  std::unique_ptr<BatchFetcher> fetcher_;
 };
 
 TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
@@ -78,8 +77,8 @@ TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
 
 TEST_F(ShardsTest, AShardThatWasStoppedForLongServesAgainAndRefusesNothing) {
   fetcher_.reset();
-  fetcher_ = BatchFetcher<TransitionBatch>::Create(*learner_node_, config_, 78, [] { return 1u; },
-                                                   {.request_timeout = std::chrono::milliseconds(5)})
+  fetcher_ = BatchFetcher::Create(*learner_node_, config_, {kBatch}, 78, [] { return 1u; },
+                                  {.request_timeout = std::chrono::milliseconds(5)})
                  .value();
   Fill(0, 25);
   Fill(1, 25);

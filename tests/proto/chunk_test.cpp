@@ -6,12 +6,13 @@
 
 #include "common/io/checksum.h"
 #include "proto/experience.h"
+#include "tests/driving_columns.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl {
 namespace {
 
-const ObservationSpec kSpec;
+const DrivingShape kSpec;
 
 std::vector<std::byte> SmallChunk() {
   return MakeSyntheticChunk(kSpec,
@@ -50,7 +51,7 @@ TEST(Chunk, ComesBackAsItWasBuilt) {
   builder.Begin(/*episode=*/77, /*first_frame=*/128);
   for (int i = 0; i < 5; ++i) {
     observations.push_back(SyntheticObservation(kSpec, random));
-    builder.AddTransition(observations.back(), {0.25f * static_cast<float>(i), -0.5f},
+    builder.AddTransition(observations.back(), Action{0.25f * static_cast<float>(i), -0.5f},
                           static_cast<float>(i) - 2.0f, static_cast<uint8_t>(i == 4 ? kTruncated : 0),
                           static_cast<uint32_t>(10 + i));
   }
@@ -65,15 +66,16 @@ TEST(Chunk, ComesBackAsItWasBuilt) {
   EXPECT_EQ(view->header().first_frame, 128u);
   EXPECT_EQ(view->header().schema, SchemaHash(kSpec));
   ASSERT_EQ(view->frames(), 6);
-  FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  PayloadCodec codec(kSpec, FloatCoding::kFloat16);
   for (int i = 0; i < 6; ++i) {
     Observation decoded(kSpec);
-    ASSERT_TRUE(codec.Decode(view->payload(i), decoded.vehicles, decoded.ego, decoded.context));
+    ASSERT_TRUE(codec.Decode(view->payload(i), decoded));
     EXPECT_EQ(decoded, observations[static_cast<size_t>(i)]);
   }
   for (int i = 0; i < 5; ++i) {
-    EXPECT_EQ(view->flags(i), kHasAction | (i == 4 ? kTruncated : 0));
-    EXPECT_EQ(view->action(i), (Action{0.25f * static_cast<float>(i), -0.5f}));
+    EXPECT_EQ(view->flags(i), kHasDecision | (i == 4 ? kTruncated : 0));
+    EXPECT_EQ(view->decision(i, 0), 0.25f * static_cast<float>(i));
+    EXPECT_EQ(view->decision(i, 1), -0.5f);
     EXPECT_EQ(view->reward(i), static_cast<float>(i) - 2.0f);
     EXPECT_EQ(view->policy_version(i), static_cast<uint32_t>(10 + i));
   }
@@ -89,13 +91,13 @@ TEST(Chunk, TheBuilderIsFullAtItsFrameLimitAndBeforeItsByteLimit) {
   Random random(2);
   ChunkBuilder builder(kSpec, FloatCoding::kFloat16);
   const Observation observation = SyntheticObservation(kSpec, random);
-  while (!builder.full()) builder.AddTransition(observation, {}, 0.0f, 0, 1);
+  while (!builder.full()) builder.AddTransition(observation, Action{}, 0.0f, 0, 1);
   EXPECT_EQ(builder.frames(), kMaxChunkFrames);
 
-  const ObservationSpec large{64, 50};
+  const DrivingShape large{64, 50};
   ChunkBuilder large_builder(large, FloatCoding::kFloat32);
   const Observation noise = NoiseObservation(large, random);
-  while (!large_builder.full()) large_builder.AddTransition(noise, {}, 0.0f, 0, 1);
+  while (!large_builder.full()) large_builder.AddTransition(noise, Action{}, 0.0f, 0, 1);
   EXPECT_LT(large_builder.frames(), kMaxChunkFrames);
   const auto bytes = large_builder.Finish({1, 1, 1});
   EXPECT_LE(bytes.size(), kMaxChunkBytes);
@@ -124,7 +126,7 @@ TEST(Chunk, EveryTruncationAndAnyExtraByteIsDetected) {
 TEST(Chunk, WellSummedNonsenseIsRefusedWithItsReason) {
   using testing::HasSubstr;
   const std::vector<std::byte> good = SmallChunk();
-  EXPECT_THAT(ErrorOf(Forged(good, 4, uint32_t{99})), HasSubstr("version 99"));
+  EXPECT_THAT(ErrorOf(Forged(good, 4, uint16_t{99})), HasSubstr("version 99"));
   EXPECT_THAT(ErrorOf(Forged(good, kFrames, uint32_t{0})), HasSubstr("0 frames"));
   EXPECT_THAT(ErrorOf(Forged(good, kFrames, uint32_t{65})), HasSubstr("65 frames"));
   EXPECT_THAT(ErrorOf(Forged(good, kFrames, uint32_t{1})), HasSubstr("its header says"));
@@ -132,9 +134,12 @@ TEST(Chunk, WellSummedNonsenseIsRefusedWithItsReason) {
   EXPECT_THAT(ErrorOf(Forged(good, kSequence, kMaxSequence + 1)), HasSubstr("sequence 281474976710657"));
   EXPECT_THAT(ErrorOf(Forged(good, kSequence, ~uint64_t{0})), HasSubstr("sequence"));
   EXPECT_EQ(ErrorOf(Forged(good, kSequence, kMaxSequence)), "");
-  EXPECT_THAT(ErrorOf(Forged(good, kActions, NAN)), HasSubstr("action (nan"));
-  EXPECT_THAT(ErrorOf(Forged(good, kActions + 12, -1.5f)), HasSubstr("actions are in [-1, 1]"));
-  EXPECT_THAT(ErrorOf(Forged(good, kRewards + 4, INFINITY)), HasSubstr("reward inf"));
+  EXPECT_THAT(ErrorOf(Forged(good, kActions, NAN)), HasSubstr("not finite"));
+  EXPECT_THAT(ErrorOf(Forged(good, 6, uint16_t{3})), HasSubstr("its header says"));
+  EXPECT_THAT(ErrorOf(Forged(good, 6, uint16_t{1025})), HasSubstr("at most 1024"));
+  EXPECT_EQ(ErrorOf(Forged(good, 6, uint16_t{0})), "") << "as before decisions were counted";
+  EXPECT_THAT(ErrorOf(Forged(good, kRewards + 4, INFINITY)),
+              HasSubstr("frame 1 has a decision or a reward that is not finite"));
   EXPECT_THAT(ErrorOf(Forged(good, kOffsets, uint32_t{1})), HasSubstr("offsets"));
   EXPECT_THAT(ErrorOf(Forged(good, kOffsets + 4, uint32_t{0xfffffff0})), HasSubstr("no payload"));
   EXPECT_THAT(ErrorOf(Forged(good, kOffsets + 4, uint32_t{0})), HasSubstr("frame 0 has no payload"));
@@ -145,23 +150,23 @@ TEST(Chunk, FlagsThatNoEpisodeHasAreRefused) {
   const auto accepts = [&](uint8_t first, uint8_t second) {
     return ErrorOf(Forged(good, kFlags, std::array<uint8_t, 2>{first, second})).empty();
   };
-  EXPECT_TRUE(accepts(kHasAction, kHasAction));
-  EXPECT_TRUE(accepts(kHasAction, kHasAction | kTerminated));
-  EXPECT_TRUE(accepts(kHasAction, kHasAction | kTruncated));
-  EXPECT_TRUE(accepts(kHasAction | kTruncated, 0));
-  EXPECT_FALSE(accepts(kHasAction | kTerminated, kHasAction));
-  EXPECT_FALSE(accepts(kHasAction | kTruncated, kHasAction));
-  EXPECT_FALSE(accepts(kHasAction, 0));
-  EXPECT_FALSE(accepts(0, kHasAction));
-  EXPECT_FALSE(accepts(kHasAction, kHasAction | kTerminated | kTruncated));
-  EXPECT_FALSE(accepts(kHasAction, kTerminated));
-  EXPECT_FALSE(accepts(kHasAction, kHasAction | 8));
+  EXPECT_TRUE(accepts(kHasDecision, kHasDecision));
+  EXPECT_TRUE(accepts(kHasDecision, kHasDecision | kTerminated));
+  EXPECT_TRUE(accepts(kHasDecision, kHasDecision | kTruncated));
+  EXPECT_TRUE(accepts(kHasDecision | kTruncated, 0));
+  EXPECT_FALSE(accepts(kHasDecision | kTerminated, kHasDecision));
+  EXPECT_FALSE(accepts(kHasDecision | kTruncated, kHasDecision));
+  EXPECT_FALSE(accepts(kHasDecision, 0));
+  EXPECT_FALSE(accepts(0, kHasDecision));
+  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | kTerminated | kTruncated));
+  EXPECT_FALSE(accepts(kHasDecision, kTerminated));
+  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | 8));
 }
 
 TEST(Chunk, SchemaFollowsTheObservation) {
-  EXPECT_EQ(SchemaHash({6, 5}), SchemaHash({6, 5}));
-  EXPECT_NE(SchemaHash({6, 5}), SchemaHash({7, 5}));
-  EXPECT_NE(SchemaHash({6, 5}), SchemaHash({6, 4}));
+  EXPECT_EQ(SchemaHash(DrivingShape{6, 5}), SchemaHash(DrivingShape{6, 5}));
+  EXPECT_NE(SchemaHash(DrivingShape{6, 5}), SchemaHash(DrivingShape{7, 5}));
+  EXPECT_NE(SchemaHash(DrivingShape{6, 5}), SchemaHash(DrivingShape{6, 4}));
 }
 
 }  // namespace

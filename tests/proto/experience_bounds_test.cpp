@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "proto/experience.h"
@@ -44,12 +45,12 @@ TEST(ExperienceBounds, OfAnyTaskAllowWhatAnyConfigurationCanGiveAndLittleMore) {
 
 TEST(ExperienceBounds, CheckRewardsNamesTheFrameTheRewardAndTheBound) {
   const ExperienceBounds bounds = ExperienceBounds::From(Config{});
-  const ObservationSpec spec{.vehicles = 1, .history = 1};
+  const DrivingShape spec{.vehicles = 1, .history = 1};
   const auto check = [&](float second) {
     ChunkBuilder builder(spec, FloatCoding::kFloat16);
     builder.Begin(/*episode=*/9, /*first_frame=*/64);
-    builder.AddTransition(Observation(spec), {}, 5.5f, 0, 1);
-    builder.AddTransition(Observation(spec), {}, second, 0, 1);
+    builder.AddTransition(Observation(spec), Action{}, 5.5f, 0, 1);
+    builder.AddTransition(Observation(spec), Action{}, second, 0, 1);
     const std::vector<std::byte> bytes = builder.Finish({.actor = 7, .incarnation = 1, .sequence = 1});
     return CheckRewards(ChunkView::Parse(bytes).value(), bounds);
   };
@@ -83,14 +84,17 @@ TEST(ExperienceBounds, PrioritiesAreNeitherNegativeNorNoNumbers) {
   EXPECT_FALSE(bounds.AllowsPriority(std::numeric_limits<float>::quiet_NaN()));
 }
 
-TEST(ExperienceBounds, ActionsAndFeaturesOutsideTheirRangeAreImpossible) {
-  EXPECT_TRUE(IsPossibleAction({-1.0f, 1.0f}));
-  EXPECT_FALSE(IsPossibleAction({0.0f, 1.001f}));
-  EXPECT_FALSE(IsPossibleAction({std::numeric_limits<float>::quiet_NaN(), 0.0f}));
-  const float possible[] = {-5.0f, 0.0f, 5.0f};
-  EXPECT_TRUE(ArePossibleFeatures(possible));
-  const float impossible[] = {0.0f, 5.1f};
-  EXPECT_FALSE(ArePossibleFeatures(impossible));
+TEST(ExperienceBounds, DecisionsOutsideTheirColumnsBoundsAreImpossible) {
+  StepSpec spec = DrivingStepSpec(DrivingShape{});
+  spec.decision.push_back({.name = "log_probability"});
+  const auto possible = [&](float first, float second, float third) {
+    return IsPossibleDecision(spec, std::array{first, second, third});
+  };
+  EXPECT_TRUE(possible(-1.0f, 1.0f, -1e30f));
+  EXPECT_FALSE(possible(0.0f, 1.001f, 0.0f));
+  EXPECT_FALSE(possible(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f));
+  EXPECT_FALSE(possible(0.0f, 0.0f, std::numeric_limits<float>::infinity()));
+  EXPECT_FALSE(IsPossibleDecision(spec, Action{}));
 }
 
 }  // namespace

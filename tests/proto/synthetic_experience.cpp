@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "tests/driving_columns.h"
+
 namespace dadrl {
 namespace {
 
@@ -63,7 +65,7 @@ double RouteDistance(const Point& p, double& along) {
 }
 
 void Paint(const Pose& ego, std::span<uint8_t> context) {
-  constexpr int kSize = ObservationSpec::kContextSize;
+  constexpr int kSize = DrivingShape::kContextSize;
   constexpr double kMetresPerPixel = 50.0 / kSize;
   double ego_along = 0.0;
   RouteDistance(ego.at, ego_along);
@@ -126,7 +128,7 @@ Motion RandomVehicle(Random& random) {
 
 }  // namespace
 
-Observation SyntheticObservation(const ObservationSpec& spec, Random& random) {
+Observation SyntheticObservation(const DrivingShape& spec, Random& random) {
   Observation observation(spec);
   Motion ego;
   const double turned = random.Uniform(0.0, std::numbers::pi / 2);
@@ -138,7 +140,7 @@ Observation SyntheticObservation(const ObservationSpec& spec, Random& random) {
   ego.speed = random.Uniform(0.0, 10.0);
   ego.acceleration = random.Uniform(-2.0, 2.0);
   ego.turn_rate = turning ? ego.speed / 10.0 : 0.0;
-  Paint(ego.now, observation.context);
+  Paint(ego.now, ContextOf(observation));
 
   const auto history = static_cast<size_t>(spec.history);
   const int present = static_cast<int>(random.Below(static_cast<uint64_t>(spec.vehicles) + 1));
@@ -146,7 +148,7 @@ Observation SyntheticObservation(const ObservationSpec& spec, Random& random) {
     const Motion vehicle = RandomVehicle(random);
     for (size_t h = 0; h < history; ++h) {
       const double ago = 0.5 * static_cast<double>(history - 1 - h);
-      const auto row = std::span(observation.vehicles).subspan((static_cast<size_t>(v) * history + h) * 7, 7);
+      const auto row = VehiclesOf(observation).subspan((static_cast<size_t>(v) * history + h) * 7, 7);
       const Pose pose = vehicle.Before(ago);
       if (v >= present) {
         row[0] = 1.0f;
@@ -158,7 +160,7 @@ Observation SyntheticObservation(const ObservationSpec& spec, Random& random) {
   }
   for (size_t h = 0; h < history; ++h) {
     const double ago = 0.5 * static_cast<double>(history - 1 - h);
-    const auto row = std::span(observation.ego).subspan(h * 20, 20);
+    const auto row = EgoOf(observation).subspan(h * 20, 20);
     const Pose pose = ego.Before(ago);
     PutSeven(row, ego.now.ToLocal(pose.at), pose.heading - ego.now.heading, ego.SpeedBefore(ago), 0);
     const Point goal = pose.ToLocal({-60.0, 1.6});
@@ -180,25 +182,25 @@ Observation SyntheticObservation(const ObservationSpec& spec, Random& random) {
   return observation;
 }
 
-Observation NoiseObservation(const ObservationSpec& spec, Random& random) {
+Observation NoiseObservation(const DrivingShape& spec, Random& random) {
   Observation observation(spec);
-  const auto fill = [&](std::vector<float>& values) {
+  const auto fill = [&](std::span<float> values) {
     for (float& value : values) value = static_cast<float>(random.Normal() * std::exp(8.0 * random.Normal()));
   };
-  fill(observation.vehicles);
-  fill(observation.ego);
-  for (uint8_t& byte : observation.context) byte = static_cast<uint8_t>(random.Next());
+  fill(VehiclesOf(observation));
+  fill(EgoOf(observation));
+  for (uint8_t& byte : ContextOf(observation)) byte = static_cast<uint8_t>(random.Next());
   return observation;
 }
 
-std::vector<std::byte> MakeSyntheticChunk(const ObservationSpec& spec, const SyntheticChunk& chunk,
+std::vector<std::byte> MakeSyntheticChunk(const DrivingShape& spec, const SyntheticChunk& chunk,
                                           uint64_t seed) {
   Random random(seed);
   ChunkBuilder builder(spec, chunk.floats);
   builder.Begin(chunk.episode, chunk.first_frame);
   for (int i = 0; i < chunk.frames; ++i) {
     const float part = static_cast<float>(chunk.first_frame + static_cast<uint32_t>(i)) / 1000.0f;
-    builder.AddTransition(SyntheticObservation(spec, random), {part, -part},
+    builder.AddTransition(SyntheticObservation(spec, random), Action{part, -part},
                           (static_cast<float>(chunk.episode) + part) * 0x1p-10f,
                           i + 1 == chunk.frames ? chunk.end : uint8_t{0}, chunk.policy_version);
   }

@@ -6,17 +6,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "common/util/random.h"
 #include "proto/experience.h"
 
 namespace dadrl {
 
 // One observation somewhere on the way through the junction.
-Observation SyntheticObservation(const ObservationSpec& spec, Random& random);
+Observation SyntheticObservation(const DrivingShape& spec, Random& random);
 
 // An observation without any regularity: random bits, random finite floats of all sizes.
-Observation NoiseObservation(const ObservationSpec& spec, Random& random);
+Observation NoiseObservation(const DrivingShape& spec, Random& random);
 
 struct SyntheticChunk {
   ChunkIdentity identity;
@@ -31,7 +31,7 @@ struct SyntheticChunk {
 
 // Its bytes. Frame f of episode e has reward (e + f / 1000) / 1024 and action (f / 1000, -f / 1000), so that
 // a test can tell which frames it got.
-std::vector<std::byte> MakeSyntheticChunk(const ObservationSpec& spec, const SyntheticChunk& chunk,
+std::vector<std::byte> MakeSyntheticChunk(const DrivingShape& spec, const SyntheticChunk& chunk,
                                           uint64_t seed = 1);
 
 }  // namespace dadrl

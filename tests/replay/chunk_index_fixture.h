@@ -22,7 +22,7 @@ class IndexFixture {
     index.Add(segments.back(), ChunkView::Parse(stored).value());
   }
   SampledBatch Draw(size_t count, int n_step) {
-    auto batch = AssembleBatch(index.Draw(count, n_step, random), n_step);
+    auto batch = ReadTrajectories(index.Draw(count, n_step, random), {static_cast<int>(count), n_step});
     EXPECT_TRUE(batch) << batch.error().message;
     return std::move(*batch);
   }

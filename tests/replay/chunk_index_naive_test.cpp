@@ -34,7 +34,7 @@ class NaiveReplay {
     for (int i = 0; i < total; ++i) {
       const uint32_t number = chunk.first_frame + static_cast<uint32_t>(i);
       const bool action = i < chunk.frames;
-      auto flags = static_cast<uint8_t>(action ? kHasAction : 0);
+      auto flags = static_cast<uint8_t>(action ? kHasDecision : 0);
       if (i + 1 == chunk.frames) flags = static_cast<uint8_t>(flags | chunk.end);
       const float value = TestReward(chunk.identity.actor, chunk.episode, number);
       frames.push_back({segment, value, value, flags, i == 0 && wanted != position});
@@ -60,7 +60,7 @@ class NaiveReplay {
   static std::optional<Slice> SliceAt(const std::vector<Frame>& frames, size_t at, int n_step) {
     Slice slice{frames[at].observation, {}, std::nullopt, false};
     for (int step = 0; step < n_step; ++step, ++at) {
-      if ((frames[at].flags & kHasAction) == 0) break;
+      if ((frames[at].flags & kHasDecision) == 0) break;
       std::get<1>(slice).push_back(frames[at].reward);
       if ((frames[at].flags & kTerminated) != 0) {
         std::get<3>(slice) = true;
@@ -144,10 +144,9 @@ TEST(ChunkIndex, HoldsExactlyTheSlicesThatANaiveReplayFinds) {
       ASSERT_EQ(f.index.items(), expected.size()) << n_step << " " << seed;
       std::multiset<NaiveReplay::Slice> drawn;
       if (!expected.empty()) {
-        for (const SampledItem& item : f.Draw(expected.size(), n_step).items) {
-          drawn.insert({Decode(item.first),
-                        {item.rewards.begin(), item.rewards.end()},
-                        item.next.empty() ? std::nullopt : std::optional(Decode(item.next)),
+        for (const SampledTrajectory& item : f.Draw(expected.size(), n_step).trajectories) {
+          drawn.insert({Decode(item.payloads.front()), RewardsOf(item),
+                        item.terminated ? std::nullopt : std::optional(Decode(item.payloads.back())),
                         item.terminated});
         }
       }

@@ -33,10 +33,10 @@ TEST(ChunkIndex, ATruncatedEpisodeCompletesWithItsFinalFrameEvenInAChunkOfItsOwn
   EXPECT_EQ(f.index.items(), 0u);
   f.Add({.identity = {1, 1, 2}, .first_frame = 2, .frames = 0, .final_frame = true});
   ASSERT_EQ(f.index.items(), 2u);
-  for (const SampledItem& item : f.Draw(2, 2).items) {
+  for (const SampledTrajectory& item : f.Draw(2, 2).trajectories) {
     EXPECT_FALSE(item.terminated);
-    EXPECT_EQ(Decode(item.next), TestReward(1, 1, 2));
-    EXPECT_EQ(item.rewards.size(), Decode(item.first) == TestReward(1, 1, 0) ? 2u : 1u);
+    EXPECT_EQ(Decode(item.payloads.back()), TestReward(1, 1, 2));
+    EXPECT_EQ(item.steps.size(), Decode(item.payloads.front()) == TestReward(1, 1, 0) ? 2u : 1u);
   }
 }
 
@@ -73,7 +73,8 @@ TEST(ChunkIndex, DroppingASegmentTakesItsItemsAndLeavesTheRestOfTheEpisode) {
   f.Add({.identity = {1, 1, 3}, .first_frame = 8, .frames = 1, .end = kTerminated});
   EXPECT_EQ(f.index.items(), 5u);
   std::set<float> firsts;
-  for (const SampledItem& item : f.Draw(5, 2).items) firsts.insert(Decode(item.first));
+  for (const SampledTrajectory& item : f.Draw(5, 2).trajectories)
+    firsts.insert(Decode(item.payloads.front()));
   EXPECT_EQ(firsts.size(), 5u);
   EXPECT_EQ(*firsts.begin(), TestReward(1, 1, 4));
 }
@@ -93,8 +94,8 @@ TEST(ChunkIndex, AnItemIsDrawnAtMostSoOften) {
   EXPECT_TRUE(f.index.CanDraw(30));
   EXPECT_FALSE(f.index.CanDraw(31));
   std::map<uint64_t, int> counts;
-  for (const SampledItem& item : f.Draw(20, 1).items) ++counts[item.key];
-  for (const SampledItem& item : f.Draw(10, 1).items) ++counts[item.key];
+  for (const SampledTrajectory& item : f.Draw(20, 1).trajectories) ++counts[item.key];
+  for (const SampledTrajectory& item : f.Draw(10, 1).trajectories) ++counts[item.key];
   EXPECT_EQ(counts.size(), 10u);
   for (const auto& [key, count] : counts) EXPECT_EQ(count, 3);
   EXPECT_EQ(f.index.items(), 0u);
@@ -124,7 +125,8 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
   f.Add({.identity = {1, 1, 1}, .frames = 4, .end = kTerminated});
   std::map<float, uint64_t> keys;
   while (keys.size() < 4) {
-    for (const SampledItem& item : f.Draw(8, 1).items) keys[Decode(item.first)] = item.key;
+    for (const SampledTrajectory& item : f.Draw(8, 1).trajectories)
+      keys[Decode(item.payloads.front())] = item.key;
   }
   const uint64_t favourite = keys[TestReward(1, 1, 2)];
   for (const auto& [reward, key] : keys) f.index.UpdatePriority(key, key == favourite ? 9.0 : 1.0);
@@ -135,7 +137,7 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
   f.index.UpdatePriority(favourite | 63, 100.0);
   int hits = 0;
   const SampledBatch batch = f.Draw(4000, 1);
-  for (const SampledItem& item : batch.items) {
+  for (const SampledTrajectory& item : batch.trajectories) {
     const bool hit = item.key == favourite;
     hits += hit;
     ASSERT_NEAR(item.probability, hit ? 0.75 : 1.0 / 12.0, 1e-6);
@@ -147,9 +149,9 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
 TEST(ChunkIndex, NewItemsStartAtTheHighestPrioritySoFar) {
   IndexFixture f({.n_step = 1, .sampler = SamplerKind::kPrioritized, .priority_exponent = 1.0});
   f.Add({.identity = {1, 1, 1}, .frames = 1, .end = kTerminated});
-  f.index.UpdatePriority(f.Draw(1, 1).items[0].key, 4.0);
+  f.index.UpdatePriority(f.Draw(1, 1).trajectories[0].key, 4.0);
   f.Add({.identity = {1, 1, 2}, .episode = 2, .frames = 1, .end = kTerminated});
-  EXPECT_NEAR(f.Draw(1, 1).items[0].probability, 0.5, 1e-6);
+  EXPECT_NEAR(f.Draw(1, 1).trajectories[0].probability, 0.5, 1e-6);
 }
 
 class Removers : public testing::TestWithParam<SamplerKind> {};
@@ -196,7 +198,7 @@ TEST_P(Removers, TakeTheItemsThatAPlainListSays) {
     naive.push_back(entry);
     ASSERT_EQ(f.index.items(), naive.size());
     std::set<uint64_t> drawn;
-    for (const SampledItem& item : f.Draw(400, 1).items) drawn.insert(item.key);
+    for (const SampledTrajectory& item : f.Draw(400, 1).trajectories) drawn.insert(item.key);
     std::set<uint64_t> expected;
     for (const Entry& kept : naive) expected.insert(kept.key);
     ASSERT_EQ(drawn, expected) << episode;
@@ -209,7 +211,7 @@ TEST(ChunkIndex, AStrideMakesItemsOfEveryFewFramesOnly) {
   f.Add({.identity = {1, 1, 1}, .frames = 5});
   f.Add({.identity = {1, 1, 2}, .first_frame = 5, .frames = 5, .end = kTerminated});
   std::set<float> starts;
-  for (const SampledItem& item : f.Draw(4, 4).items) starts.insert(item.rewards[0]);
+  for (const SampledTrajectory& item : f.Draw(4, 4).trajectories) starts.insert(item.steps[0].reward);
   EXPECT_EQ(starts, (std::set<float>{TestReward(1, 1, 0), TestReward(1, 1, 3), TestReward(1, 1, 6),
                                      TestReward(1, 1, 9)}));
   EXPECT_EQ(f.index.items(), 0u);
@@ -221,9 +223,10 @@ TEST(ChunkIndex, ADrawnBatchOutlivesItsSegment) {
   DrawnItems drawn = f.index.Draw(10, 2, f.random);
   f.index.DropSegmentsBefore(99);
   f.segments.clear();
-  const auto batch = AssembleBatch(std::move(drawn), 2);
+  const auto batch = ReadTrajectories(std::move(drawn), {10, 2});
   ASSERT_TRUE(batch);
-  for (const SampledItem& item : batch->items) EXPECT_EQ(Decode(item.first), item.rewards[0]);
+  for (const SampledTrajectory& item : batch->trajectories)
+    EXPECT_EQ(Decode(item.payloads.front()), item.steps[0].reward);
 }
 
 TEST(ChunkIndex, ManyRoundsOfInsertAndDropDoNotGrowIt) {

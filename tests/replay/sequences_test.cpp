@@ -10,8 +10,9 @@
 
 #include "common/io/checksum.h"
 #include "common/util/log.h"
-#include "proto/sequence_batch.h"
+#include "proto/trajectory_codec.h"
 #include "replay/table.h"
+#include "tests/driving_columns.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {
@@ -27,7 +28,7 @@ struct Episode {
 class SequencesTest : public testing::Test {
  protected:
   std::unique_ptr<ReplayTable> Open(int period, int max_times_sampled) {
-    TableOptions options{.directory = {}, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+    TableOptions options{.directory = {}, .spec = kTestSpec, .replay = {}, .n_step = 1};
     options.replay.min_size = 1;
     options.replay.samples_per_insert = 0.0;
     options.replay.sequence_length = kLength;
@@ -83,14 +84,14 @@ TEST_F(SequencesTest, AreExactlyTheStretchesOfTheEpisodesAndEndWithThem) {
     }
     const size_t count = starts.size();
     ASSERT_EQ(table->stats().items, count);
-    const auto drawn = table->SampleSequences(count, kLength, 0).value();
-    const auto bytes = EncodeSequenceBatch(drawn.sequences, kLength, table->schema());
-    SequenceBatch batch(kTestSpec, static_cast<int>(count), kLength);
-    FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
-    const Status decoded = DecodeSequenceBatch(bytes, table->schema(), kTestBounds, codec, batch);
+    const TrajectoryShape shape{static_cast<int>(count), kLength, true};
+    const auto drawn = table->Sample(shape, 0).value();
+    const auto bytes = EncodeTrajectories(drawn.trajectories, shape, table->schema());
+    TrajectoryBatch batch(kTestSpec, shape);
+    const Status decoded = TrajectoryDecoder(kTestSpec, kTestBounds).Decode(bytes, batch);
     ASSERT_TRUE(decoded) << decoded.error().message;
     for (size_t i = 0; i < count; ++i) {
-      const float first = batch.reward[i * kLength];
+      const float first = batch.rewards[i];
       ASSERT_EQ(starts.erase(first), 1u) << "each start once";
       const auto value = static_cast<uint64_t>(first / kTestScale) - 10000;
       const uint64_t number = value / 100;
@@ -102,15 +103,15 @@ TEST_F(SequencesTest, AreExactlyTheStretchesOfTheEpisodesAndEndWithThem) {
       ASSERT_EQ(batch.terminated[i], at_end && episode.end == kTerminated);
       ASSERT_EQ(batch.truncated[i], at_end && episode.end == kTruncated);
       for (int t = 0; t <= kLength; ++t) {
-        const size_t row = i * (kLength + 1) + static_cast<size_t>(t);
+        const size_t row = static_cast<size_t>(t) * batch.steps.size() + i;
         const bool frame = t < steps || (t == steps && !batch.terminated[i]);
         const float wanted = frame ? TestReward(1, number, start + static_cast<uint32_t>(t)) : 0.0f;
-        ASSERT_EQ(batch.observation.ego[row * 20 + 1], wanted);
+        ASSERT_EQ(EgoOf(batch.observations)[row * 20 + 1], wanted);
         if (t == kLength) continue;
-        const size_t step = i * kLength + static_cast<size_t>(t);
-        ASSERT_EQ(batch.reward[step], t < steps ? wanted : 0.0f);
-        ASSERT_EQ(batch.action[2 * step], t < steps ? 0.5f : 0.0f);
-        ASSERT_EQ(batch.policy_version[step], t < steps ? number : 0u);
+        const size_t step = row;
+        ASSERT_EQ(batch.rewards[step], t < steps ? wanted : 0.0f);
+        ASSERT_EQ(batch.decisions[0][2 * step], t < steps ? 0.5f : 0.0f);
+        ASSERT_EQ(batch.policy_versions[step], t < steps ? number : 0u);
       }
     }
     EXPECT_TRUE(starts.empty());
@@ -121,9 +122,9 @@ TEST_F(SequencesTest, SlicesCanBeDrawnBesideThemAndLongerOnesAreRefused) {
   Random random(1);
   const auto table = Open(1, 0);
   Store(*table, 1, {12, kTerminated}, random);
-  EXPECT_TRUE(table->Sample(4, 1, 0));
-  EXPECT_TRUE(table->SampleSequences(4, 3, 0));
-  const auto refused = table->SampleSequences(4, kLength + 1, 0);
+  EXPECT_TRUE(table->Sample({4, 1}, 0));
+  EXPECT_TRUE(table->Sample({4, 3, true}, 0));
+  const auto refused = table->Sample({4, kLength + 1, true}, 0);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, testing::HasSubstr("replay.sequence_length 5"));
   EXPECT_EQ(table->stats().sampled, 4u + 4u * 3u);
@@ -134,8 +135,7 @@ TEST_F(SequencesTest, AReplayTooSmallForOneSaysSoOnce) {
   const auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(log);
   spdlog::default_logger()->sinks().push_back(sink);
   MemoryFolder folder;
-  TableOptions options{
-      .directory = folder.path(), .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+  TableOptions options{.directory = folder.path(), .spec = kTestSpec, .replay = {}, .n_step = 1};
   options.replay.segment_bytes = 4096;
   options.replay.max_disk_bytes = 16384;
   options.replay.sequence_length = 256;
@@ -154,13 +154,13 @@ TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {
   Random random(2);
   const auto table = Open(1, 0);
   for (uint64_t number = 1; number <= 5; ++number) Store(*table, number, {7, kTruncated}, random);
-  const auto drawn = table->SampleSequences(3, kLength, 0).value();
-  const auto sound = EncodeSequenceBatch(drawn.sequences, kLength, table->schema());
-  SequenceBatch batch(kTestSpec, 3, kLength);
-  FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+  const TrajectoryShape shape{3, kLength, true};
+  const auto drawn = table->Sample(shape, 0).value();
+  const auto sound = EncodeTrajectories(drawn.trajectories, shape, table->schema());
+  TrajectoryBatch batch(kTestSpec, shape);
+  TrajectoryDecoder decoder(kTestSpec, kTestBounds);
   for (size_t cut = 0; cut < sound.size(); ++cut) {
-    ASSERT_FALSE(DecodeSequenceBatch(std::span(sound).first(cut), table->schema(), kTestBounds, codec, batch))
-        << cut;
+    ASSERT_FALSE(decoder.Decode(std::span(sound).first(cut), batch)) << cut;
   }
   // With a checksum that fits: nothing is read outside, what is accepted has the shape that was asked for.
   for (int round = 0; round < 20000; ++round) {
@@ -168,15 +168,14 @@ TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {
     bytes[random.Below(bytes.size() - 8)] = static_cast<std::byte>(random.Next());
     const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
     std::memcpy(&bytes[bytes.size() - 8], &checksum, 8);
-    if (!DecodeSequenceBatch(bytes, table->schema(), kTestBounds, codec, batch)) continue;
+    if (!decoder.Decode(bytes, batch)) continue;
     for (const int steps : batch.steps) {
       ASSERT_GE(steps, 1);
       ASSERT_LE(steps, kLength);
     }
   }
-  SequenceBatch other(kTestSpec, 3, kLength + 1);
-  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema(), kTestBounds, codec, other));
-  EXPECT_FALSE(DecodeSequenceBatch(sound, table->schema() + 1, kTestBounds, codec, batch));
+  TrajectoryBatch other(kTestSpec, {3, kLength + 1, true});
+  EXPECT_FALSE(decoder.Decode(sound, other));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "replay/storage/columns_file.h"
 #include "replay/storage/snapshot_folder.h"
 #include "replay/table.h"
 #include "tests/replay/test_chunks.h"
@@ -20,8 +21,7 @@ constexpr int kFrames = 8;  // of a chunk; each is an episode
 class SnapshotTest : public testing::Test {
  protected:
   SnapshotTest() {
-    options_ = {
-        .directory = folder_.path() / "replay", .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+    options_ = {.directory = folder_.path() / "replay", .spec = kTestSpec, .replay = {}, .n_step = 1};
     options_.replay.min_size = 1;
     options_.replay.samples_per_insert = 0.0;
     options_.replay.max_disk_bytes = 1 << 20;
@@ -45,9 +45,9 @@ class SnapshotTest : public testing::Test {
     std::map<uint64_t, std::set<uint64_t>> frames;
     size_t found = 0;
     while (found < table.stats().items) {
-      const auto batch = table.Sample(512, 1, 0).value();
-      for (const SampledItem& item : batch.items) {
-        const auto value = static_cast<uint64_t>(item.rewards[0] / kTestScale) - 10000;
+      const auto batch = table.Sample({512, 1}, 0).value();
+      for (const SampledTrajectory& item : batch.trajectories) {
+        const auto value = static_cast<uint64_t>(item.steps[0].reward / kTestScale) - 10000;
         found += frames[value / 100].insert(value % 100).second;
       }
     }
@@ -68,8 +68,8 @@ TEST_F(SnapshotTest, HoldsContentsPrioritiesLimiterAndExactlyOnceTable) {
   auto table = Open(options_.directory);
   for (uint64_t sequence = 1; sequence <= 300; ++sequence) ASSERT_TRUE(table->Insert(Chunk(sequence)));
   std::map<uint64_t, float> probabilities;
-  const auto drawn = table->Sample(2000, 1, 3).value();
-  for (const SampledItem& item : drawn.items) {
+  const auto drawn = table->Sample({2000, 1}, 3).value();
+  for (const SampledTrajectory& item : drawn.trajectories) {
     table->UpdatePriorities({{item.key}}, {{1.0f + static_cast<float>(item.key % 5)}});
   }
   const auto snapshot = folder_.path() / "snapshot";
@@ -79,8 +79,8 @@ TEST_F(SnapshotTest, HoldsContentsPrioritiesLimiterAndExactlyOnceTable) {
   EXPECT_LT(report->copied_bytes, options_.replay.segment_bytes) << "only the open segment is copied";
   const auto before = table->stats();
   while (probabilities.size() < before.items) {
-    const auto batch = table->Sample(512, 1, 0).value();
-    for (const SampledItem& item : batch.items) probabilities[item.key] = item.probability;
+    const auto batch = table->Sample({512, 1}, 0).value();
+    for (const SampledTrajectory& item : batch.trajectories) probabilities[item.key] = item.probability;
   }
   // What comes later is not in it.
   for (uint64_t sequence = 301; sequence <= 320; ++sequence) ASSERT_TRUE(table->Insert(Chunk(sequence)));
@@ -95,8 +95,8 @@ TEST_F(SnapshotTest, HoldsContentsPrioritiesLimiterAndExactlyOnceTable) {
   EXPECT_EQ(restored->Insert(Chunk(300)), ReplayTable::Insertion::kDuplicate);
   std::map<uint64_t, float> again;
   while (again.size() < after.items) {
-    const auto batch = restored->Sample(512, 1, 0).value();
-    for (const SampledItem& item : batch.items) again[item.key] = item.probability;
+    const auto batch = restored->Sample({512, 1}, 0).value();
+    for (const SampledTrajectory& item : batch.trajectories) again[item.key] = item.probability;
   }
   EXPECT_EQ(again, probabilities);
   EXPECT_EQ(restored->Insert(Chunk(301)), ReplayTable::Insertion::kStored);
@@ -118,9 +118,10 @@ TEST_F(SnapshotTest, IsOneMomentWhileInsertsDrawsAndDropsGoOn) {
   });
   std::thread sampler([&] {
     while (!stop) {
-      const auto batch = table->Sample(64, 1, 0).value();
-      for (const SampledItem& item : batch.items) table->UpdatePriorities({{item.key}}, {{2.0f}});
-      drawn.fetch_add(batch.items.size());
+      const auto batch = table->Sample({64, 1}, 0).value();
+      for (const SampledTrajectory& item : batch.trajectories)
+        table->UpdatePriorities({{item.key}}, {{2.0f}});
+      drawn.fetch_add(batch.trajectories.size());
     }
   });
   std::vector<std::array<uint64_t, 2>> between;
@@ -159,12 +160,12 @@ TEST_F(SnapshotTest, OfSegmentsThatWereDroppedMeanwhileItIsACopy) {
   table.reset();
   auto log =
       SegmentLog::Open(
-          {options_.directory, options_.schema, 1 << 16}, [](const auto&, auto) { return true; }, recovery)
+          {options_.directory, SchemaHash(options_.spec), 1 << 16}, [](const auto&, auto) { return true; }, recovery)
           .value();
   const auto extents = log->Extents();
   log->RemoveOldest();
   const auto snapshot = folder_.path() / "snapshot";
-  const auto report = WriteSnapshot({.schema = options_.schema}, extents, snapshot);
+  const auto report = WriteSnapshot({.schema = SchemaHash(options_.spec)}, options_.spec, extents, snapshot);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->copied_bytes, extents.front().bytes);
   EXPECT_EQ(Open(snapshot)->Stored(1, 7), 200u);
@@ -184,7 +185,8 @@ TEST_F(SnapshotTest, CostsWhatTheReplayHasDroppedSinceAndWhatWasCopiedOnce) {
   ASSERT_GT(held, uint64_t{3} << 16);
   const SnapshotReport first = table->Snapshot(snapshots / "first").value();
   ASSERT_TRUE(table->Snapshot(snapshots / "second"));
-  const uint64_t state_bytes = std::filesystem::file_size(snapshots / "first" / "state");
+  const uint64_t state_bytes = std::filesystem::file_size(snapshots / "first" / "state") +
+                               std::filesystem::file_size(snapshots / "first" / kColumnsFile);
   EXPECT_EQ(use().snapshots, 2u);
   EXPECT_EQ(use().bytes, 2 * (first.copied_bytes + state_bytes));
   // Until the replay has dropped all that it held then.

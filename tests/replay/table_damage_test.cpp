@@ -136,7 +136,7 @@ TEST_F(TableDamage, HundredsOfRandomDamagesCostTheirChunksAndNothingElse) {
     SegmentLog::Recovery recovery;
     std::map<uint64_t, int> found;
     const auto log = SegmentLog::Open(
-        {options.directory, options.schema},
+        {options.directory, SchemaHash(options.spec)},
         [&](const auto&, std::span<const std::byte> record) {
           const auto chunk = ChunkView::Parse(record);
           if (!chunk) return false;
@@ -195,9 +195,9 @@ class TableUnderASegmentThatGoesBad : public TableRecovery {
   // Draws until something cannot be read.
   Status DrawMuch() {
     for (int i = 0; i < 200; ++i) {
-      DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, table_->Sample(16, 2, 0));
-      for (const SampledItem& item : batch.items) {
-        if (Decode(item.first) != item.rewards[0]) return CheckReadable(batch.segments);
+      DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, table_->Sample({16, 2}, 0));
+      for (const SampledTrajectory& item : batch.trajectories) {
+        if (Decode(item.payloads.front()) != item.steps[0].reward) return CheckReadable(batch.segments);
       }
       DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
     }

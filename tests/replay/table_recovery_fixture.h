@@ -17,7 +17,7 @@ class TableRecovery : public testing::Test {
   using Insertion = ReplayTable::Insertion;
 
   static TableOptions Options(const std::filesystem::path& directory) {
-    TableOptions options{.directory = directory, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 2};
+    TableOptions options{.directory = directory, .spec = kTestSpec, .replay = {}, .n_step = 2};
     options.replay.min_size = 1;
     options.replay.samples_per_insert = 0.0;
     options.replay.max_disk_bytes = 1 << 20;
@@ -50,12 +50,11 @@ class TableRecovery : public testing::Test {
     std::map<float, std::vector<float>> slices;
     const size_t items = table.stats().items;
     if (items == 0) return slices;
-    const auto batch = table.Sample(items, 2, 0).value();
-    for (const SampledItem& item : batch.items) {
-      EXPECT_EQ(Decode(item.first), item.rewards[0]);
-      const bool inserted =
-          slices.try_emplace(item.rewards[0], item.rewards.begin(), item.rewards.end()).second;
-      EXPECT_TRUE(inserted) << "frame " << item.rewards[0] << " is there twice";
+    const auto batch = table.Sample({static_cast<int>(items), 2}, 0).value();
+    for (const SampledTrajectory& item : batch.trajectories) {
+      EXPECT_EQ(Decode(item.payloads.front()), item.steps[0].reward);
+      const bool inserted = slices.try_emplace(item.steps[0].reward, RewardsOf(item)).second;
+      EXPECT_TRUE(inserted) << "frame " << item.steps[0].reward << " is there twice";
     }
     return slices;
   }

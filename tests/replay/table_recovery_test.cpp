@@ -56,7 +56,7 @@ TEST_F(TableRecovery, ACleanStopRestoresTheCounters) {
   {
     auto table = Open();
     Store(*table, 1, 4);
-    ASSERT_TRUE(table->Sample(7, 1, 0));
+    ASSERT_TRUE(table->Sample({7, 1}, 0));
     ASSERT_TRUE(table->SaveState());
   }
   auto table = Open();
@@ -102,8 +102,9 @@ TEST_F(TableRecovery, WhatAnotherTaskCouldGiveStaysOnDisk) {
 std::map<float, float> Probabilities(ReplayTable& table) {
   std::map<float, float> probabilities;
   while (probabilities.size() < table.stats().items) {
-    const auto batch = table.Sample(64, 1, 0).value();
-    for (const SampledItem& item : batch.items) probabilities[item.rewards[0]] = item.probability;
+    const auto batch = table.Sample({64, 1}, 0).value();
+    for (const SampledTrajectory& item : batch.trajectories)
+      probabilities[item.steps[0].reward] = item.probability;
   }
   return probabilities;
 }
@@ -117,8 +118,8 @@ TEST_F(TableRecovery, PrioritiesSurviveAndWhatCameLaterStartsAtTheHighest) {
   {
     auto table = Open(options);
     Store(*table, 1, 4);
-    const auto batch = table->Sample(200, 1, 0).value();
-    for (const SampledItem& item : batch.items) {
+    const auto batch = table->Sample({200, 1}, 0).value();
+    for (const SampledTrajectory& item : batch.trajectories) {
       table->UpdatePriorities({{item.key}}, {{1.0f + static_cast<float>(item.key % 7)}});
     }
     before = Probabilities(*table);
@@ -150,8 +151,8 @@ TEST_F(TableRecovery, PrioritiesBeyondTheBoundCountAsTheBound) {
   {
     auto table = Open(options);
     Store(*table, 1, 2);
-    const auto batch = table->Sample(1, 1, 0).value();
-    table->UpdatePriorities({{batch.items[0].key}}, {{3e38f}});
+    const auto batch = table->Sample({1, 1}, 0).value();
+    table->UpdatePriorities({{batch.trajectories[0].key}}, {{3e38f}});
     ASSERT_TRUE(table->SaveState());
   }
   options.bounds.priority = 4.0;
@@ -172,14 +173,14 @@ TEST_F(TableRecovery, WhatWasSampledOftenEnoughOrRemovedStaysAway) {
     auto table = Open(options);
     Store(*table, 1, 4);
     ASSERT_EQ(table->stats().items, 15u);
-    ASSERT_TRUE(table->Sample(21, 1, 0));
+    ASSERT_TRUE(table->Sample({21, 1}, 0));
     ASSERT_TRUE(table->SaveState());
   }
   auto table = Open(options);
   EXPECT_EQ(table->stats().frames_held, 20u);
   std::map<float, int> left;
-  const auto batch = table->Sample(9, 1, 0).value();
-  for (const SampledItem& item : batch.items) ++left[item.rewards[0]];
+  const auto batch = table->Sample({9, 1}, 0).value();
+  for (const SampledTrajectory& item : batch.trajectories) ++left[item.steps[0].reward];
   EXPECT_EQ(table->stats().items, 0u) << "15 items, twice each: 21 draws before, 9 after";
   for (const auto& [reward, count] : left) EXPECT_LE(count, 2) << reward;
 }
@@ -193,7 +194,7 @@ TEST_F(TableRecovery, TheStalenessLimitHoldsAtOnceAfterARestart) {
     TestChunk chunk = ChunkOf(1);
     chunk.end = kTerminated;
     ASSERT_TRUE(table->Insert(Build(chunk)));
-    EXPECT_FALSE(table->Sample(1, 1, 100));
+    EXPECT_FALSE(table->Sample({1, 1}, 100));
     ASSERT_TRUE(table->SaveState());
   }
   EXPECT_EQ(Open(options)->stats().items, 0u);
@@ -231,7 +232,7 @@ TEST_F(TableRecovery, AnotherObservationIsRefusedAndNothingIsTouched) {
     ASSERT_TRUE(table->Insert(Build(ChunkOf(1))));
   }
   TableOptions other = Options(folder_.path());
-  other.schema = SchemaHash({.vehicles = 9, .history = 1});
+  other.spec = DrivingShape{.vehicles = 9, .history = 1};
   const auto refused = ReplayTable::Open(other, clock_);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kCorrupt);

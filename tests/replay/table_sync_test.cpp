@@ -33,7 +33,7 @@ class TableSync : public testing::Test {
   TableOptions Options(SyncMode sync) {
     TableOptions options;
     options.directory = folder_.path();
-    options.schema = SchemaHash(kTestSpec);
+    options.spec = kTestSpec;
     options.replay.min_size = 1;
     options.replay.samples_per_insert = 0.0;
     options.replay.max_disk_bytes = 1 << 20;
@@ -191,7 +191,7 @@ TEST_F(TableSync, AfterAFailureEverythingIsWrittenOnceMoreBeforeItIsBelieved) {
     EXPECT_FALSE(table->Sync()) << "a system that failed to write says of the next force that all is well";
   }
   EXPECT_TRUE(table->Sync());
-  EXPECT_TRUE(table->Sample(5, 1, 0)) << "it is still what it was";
+  EXPECT_TRUE(table->Sample({5, 1}, 0)) << "it is still what it was";
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 using Insertion = ReplayTable::Insertion;
 
 TableOptions Options(const std::filesystem::path& directory = {}) {
-  TableOptions options{.directory = directory, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 1};
+  TableOptions options{.directory = directory, .spec = kTestSpec, .replay = {}, .n_step = 1};
   options.replay.min_size = 1;
   options.replay.samples_per_insert = 0.0;
   options.replay.max_disk_bytes = 1 << 20;
@@ -45,10 +45,11 @@ TEST(ReplayTable, StoresEachChunkOnceAndSamplesIt) {
   EXPECT_EQ(stats.early_chunks, 1u);
   EXPECT_EQ(stats.lost_chunks, 0u);
   EXPECT_EQ(table->Stored(1, 1), 3u);
-  const auto batch = table->Sample(64, 1, 0);
+  const auto batch = table->Sample({64, 1}, 0);
   ASSERT_TRUE(batch);
-  ASSERT_EQ(batch->items.size(), 64u);
-  for (const SampledItem& item : batch->items) EXPECT_EQ(Decode(item.first), item.rewards[0]);
+  ASSERT_EQ(batch->trajectories.size(), 64u);
+  for (const SampledTrajectory& item : batch->trajectories)
+    EXPECT_EQ(Decode(item.payloads.front()), item.steps[0].reward);
   EXPECT_EQ(table->stats().sampled, 64u);
 }
 
@@ -79,13 +80,13 @@ TEST(ReplayTable, RefusesPrioritiesThatNoErrorHas) {
   options.replay.max_times_sampled = 1000;
   auto table = ReplayTable::Open(options, clock).value();
   ASSERT_EQ(table->Insert(EpisodeChunk(1)), Insertion::kStored);
-  const uint64_t first = table->Sample(1, 1, 0).value().items[0].key;
+  const uint64_t first = table->Sample({1, 1}, 0).value().trajectories[0].key;
   table->UpdatePriorities({{first + 5}}, {{3.0f}});
   for (const float priority : {NAN, -1.0f, INFINITY, 3e38f}) {
     table->UpdatePriorities({{first}}, {{priority}});
   }
   EXPECT_EQ(table->stats().refused_priorities, 4u);
-  EXPECT_EQ(table->Sample(1, 1, 0).value().items[0].key, first + 5);
+  EXPECT_EQ(table->Sample({1, 1}, 0).value().trajectories[0].key, first + 5);
 }
 
 TEST(ReplayTable, GoesOnBehindChunksThatNobodyHasAnyMore) {
@@ -106,8 +107,8 @@ TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
   };
   auto table = ReplayTable::Open(options, clock).value();
   EXPECT_EQ(table->Insert(std::vector<std::byte>(100)), Insertion::kRejected);
-  ChunkBuilder alien({.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
-  alien.AddTransition(Observation({.vehicles = 2, .history = 1}), {}, 0.0f, kTerminated, 1);
+  ChunkBuilder alien(DrivingShape{.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
+  alien.AddTransition(Observation(DrivingShape{.vehicles = 2, .history = 1}), Action{}, 0.0f, kTerminated, 1);
   ChunkRefusal refusal;
   EXPECT_EQ(table->Insert(alien.Finish({9, 1, 1}), 1, &refusal), Insertion::kRejected);
   EXPECT_EQ(refusal.fault, ChunkFault::kSchema);
@@ -134,16 +135,16 @@ TEST(ReplayTable, SamplingWaitsForTheMinimumSizeAndForInserts) {
   options.replay.samples_per_insert_band = 1.0;
   auto table = ReplayTable::Open(options, clock).value();
   ASSERT_TRUE(table->Insert(EpisodeChunk(1)));
-  EXPECT_EQ(table->MaySample(8), RateLimiter::Hold::kMinimumSize);
+  EXPECT_EQ(table->MaySample({8}), RateLimiter::Hold::kMinimumSize);
   ASSERT_TRUE(table->Insert(EpisodeChunk(2)));
-  for (int i = 0; i < 5; ++i) EXPECT_TRUE(table->Sample(8, 1, 0));
-  EXPECT_EQ(table->MaySample(8), RateLimiter::Hold::kSamplesPerInsert);
-  const auto refused = table->Sample(8, 1, 0);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(table->Sample({8, 1}, 0));
+  EXPECT_EQ(table->MaySample({8}), RateLimiter::Hold::kSamplesPerInsert);
+  const auto refused = table->Sample({8, 1}, 0);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
   EXPECT_TRUE(table->MayInsert());
   table->Reconfigure({.min_size = 1});
-  EXPECT_TRUE(table->Sample(8, 1, 0));
+  EXPECT_TRUE(table->Sample({8, 1}, 0));
 }
 
 TEST(ReplayTable, ActorsAreNotHeldBackWhileABatchIsLargerThanWhatIsLeftToDraw) {
@@ -154,19 +155,19 @@ TEST(ReplayTable, ActorsAreNotHeldBackWhileABatchIsLargerThanWhatIsLeftToDraw) {
   options.replay.min_samples_per_insert = 1.0;
   auto table = ReplayTable::Open(options, clock).value();
   constexpr size_t kBatch = 64;
-  for (uint64_t sequence = 1; table->MaySample(kBatch) != RateLimiter::Hold::kNone; ++sequence) {
+  for (uint64_t sequence = 1; table->MaySample({kBatch}) != RateLimiter::Hold::kNone; ++sequence) {
     ASSERT_TRUE(table->MayInsert()) << "both sides wait, with " << table->stats().items << " items";
     ASSERT_EQ(table->Insert(EpisodeChunk(sequence)), Insertion::kStored);
   }
   EXPECT_FALSE(table->MayInsert()) << "now it is the learner's turn";
-  EXPECT_TRUE(table->Sample(kBatch, 1, 0));
+  EXPECT_TRUE(table->Sample({kBatch, 1}, 0));
 }
 
 TEST(ReplayTable, LongerSlicesThanItIndexesAreRefusedWithTheReason) {
   SystemClock clock;
   auto table = ReplayTable::Open(Options(), clock).value();
   ASSERT_TRUE(table->Insert(EpisodeChunk(1)));
-  const auto batch = table->Sample(1, 2, 0);
+  const auto batch = table->Sample({1, 2}, 0);
   ASSERT_FALSE(batch);
   EXPECT_EQ(batch.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(batch.error().message, testing::HasSubstr("algorithm.n_step"));
@@ -178,8 +179,8 @@ TEST(ReplayTable, TheSameSeedDrawsTheSameItems) {
   for (auto& run : keys) {
     auto table = ReplayTable::Open(Options(), clock).value();
     for (uint64_t sequence = 1; sequence <= 5; ++sequence) ASSERT_TRUE(table->Insert(EpisodeChunk(sequence)));
-    const auto batch = table->Sample(50, 1, 0);
-    for (const SampledItem& item : batch->items) run.push_back(item.key);
+    const auto batch = table->Sample({50, 1}, 0);
+    for (const SampledTrajectory& item : batch->trajectories) run.push_back(item.key);
   }
   EXPECT_EQ(keys[0], keys[1]);
 }
@@ -204,10 +205,10 @@ TEST(ReplayTable, DiskStaysWithinItsBoundAndTheNewestStay) {
   EXPECT_EQ(stats.inserted_frames, kChunks * 10);
   EXPECT_LT(stats.items, kChunks * 10);
   EXPECT_GT(stats.disk_bytes, 60000u);
-  const auto batch = table->Sample(5000, 1, 0).value();
+  const auto batch = table->Sample({5000, 1}, 0).value();
   std::set<uint64_t> episodes;
-  for (const SampledItem& item : batch.items) {
-    episodes.insert(static_cast<uint64_t>((item.rewards[0] / kTestScale - 10000.0f) / 100.0f));
+  for (const SampledTrajectory& item : batch.trajectories) {
+    episodes.insert(static_cast<uint64_t>((item.steps[0].reward / kTestScale - 10000.0f) / 100.0f));
   }
   EXPECT_EQ(*episodes.rbegin(), kChunks);
   EXPECT_EQ(*episodes.rbegin() - *episodes.begin() + 1, episodes.size());
@@ -250,14 +251,14 @@ TEST(ReplayTable, SamplesWhileInsertsAndDropsGoOn) {
   std::atomic<int> wrong{0};
   std::thread sampler([&] {
     while (!done) {
-      const auto batch = table->Sample(64, 1, 0);
+      const auto batch = table->Sample({64, 1}, 0);
       if (!batch) {
         ++wrong;
         continue;
       }
       std::vector<uint64_t> keys;
-      for (const SampledItem& item : batch->items) {
-        wrong += Decode(item.first) != item.rewards[0];
+      for (const SampledTrajectory& item : batch->trajectories) {
+        wrong += Decode(item.payloads.front()) != item.steps[0].reward;
         keys.push_back(item.key);
       }
       table->UpdatePriorities(keys, std::vector<float>(keys.size(), 2.0f));

@@ -10,11 +10,13 @@
 #include "common/util/random.h"
 #include "proto/experience.h"
 #include "proto/experience_bounds.h"
+#include "proto/trajectory_codec.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/driving_columns.h"
 
 namespace dadrl {
 
-inline const ObservationSpec kTestSpec{.vehicles = 1, .history = 1};
+inline const DrivingShape kTestSpec{.vehicles = 1, .history = 1};
 inline const ExperienceBounds kTestBounds = ExperienceBounds::From(Config{});
 
 struct TestChunk {
@@ -36,7 +38,7 @@ inline float TestReward(uint32_t actor, uint64_t episode, uint32_t frame) {
 }
 inline Observation TestObservation(uint32_t actor, uint64_t episode, uint32_t frame) {
   Observation observation(kTestSpec);
-  observation.ego[1] = TestReward(actor, episode, frame);
+  EgoOf(observation)[1] = TestReward(actor, episode, frame);
   return observation;
 }
 
@@ -47,7 +49,7 @@ inline std::vector<std::byte> Build(const TestChunk& chunk) {
   for (int i = 0; i < chunk.frames; ++i, ++frame) {
     const bool last = i + 1 == chunk.frames;
     const float reward = TestReward(chunk.identity.actor, chunk.episode, frame);
-    builder.AddTransition(TestObservation(chunk.identity.actor, chunk.episode, frame), {0.5f, -0.5f},
+    builder.AddTransition(TestObservation(chunk.identity.actor, chunk.episode, frame), Action{0.5f, -0.5f},
                           last ? chunk.last_reward.value_or(reward) : reward, last ? chunk.end : uint8_t{0},
                           chunk.policy_version);
   }
@@ -55,12 +57,18 @@ inline std::vector<std::byte> Build(const TestChunk& chunk) {
   return builder.Finish(chunk.identity);
 }
 
+inline std::vector<float> RewardsOf(const SampledTrajectory& trajectory) {
+  std::vector<float> rewards;
+  for (const SampledStep& step : trajectory.steps) rewards.push_back(step.reward);
+  return rewards;
+}
+
 // The TestReward that a payload stands for.
 inline float Decode(std::span<const std::byte> payload) {
-  FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+  PayloadCodec codec(kTestSpec, FloatCoding::kFloat32);
   Observation observation(kTestSpec);
-  if (!codec.Decode(payload, observation.vehicles, observation.ego, observation.context)) return -1.0f;
-  return observation.ego[1];
+  if (!codec.Decode(payload, observation)) return -1.0f;
+  return EgoOf(observation)[1];
 }
 
 }  // namespace dadrl

@@ -14,14 +14,14 @@
 
 namespace dadrl {
 
-inline const ObservationSpec kSpec;
+inline const DrivingShape kSpec;
 
 class ToolsTest : public testing::Test {
  protected:
   ToolsTest() : run_(folder_.path() / "run"), shard_(run_ / "replay" / "shard-0") {}
 
   std::unique_ptr<ReplayTable> OpenTable() {
-    TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}, .n_step = 1};
+    TableOptions options{.directory = shard_, .spec = kSpec, .replay = {}, .n_step = 1};
     options.replay.segment_bytes = 1 << 16;
     options.replay.max_disk_bytes = 1 << 28;  // so that segments may be this small
     return std::move(*ReplayTable::Open(options, clock_));

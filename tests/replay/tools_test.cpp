@@ -9,6 +9,7 @@
 #include "common/io/checksum.h"
 #include "common/io/npy.h"
 #include "replay/storage/snapshot_folder.h"
+#include "tests/driving_columns.h"
 #include "tests/replay/run_tool.h"
 #include "tests/replay/tools_fixture.h"
 
@@ -39,7 +40,8 @@ TEST_F(ToolsTest, InspectCountsWhatIsThereFromAnyOfItsFolders) {
     EXPECT_EQ(json["actors"], 2);
     EXPECT_EQ(json["policy_versions"]["oldest"], 2);
     EXPECT_EQ(json["policy_versions"]["newest"], 9);
-    EXPECT_EQ(json["observation"]["vehicles"], 6);
+    EXPECT_EQ(json["columns"]["decision"], "action float32 [2]");
+    EXPECT_THAT(json["columns"]["observation"].get<std::string>(), HasSubstr("ego float32 [5, 20]"));
     EXPECT_EQ(json["damaged_bytes"], 0);
     EXPECT_GT(json["segments"], 1);
     EXPECT_EQ(json["snapshots"]["count"], 0);
@@ -88,8 +90,8 @@ TEST_F(ToolsTest, VerifyNamesFileAndOffsetOfDamageAndMendsNothing) {
 
 TEST_F(ToolsTest, VerifyFindsAFrameThatDoesNotDecodeBehindSoundChecksums) {
   const auto table = OpenTable();
-  ChunkBuilder other({.vehicles = 2, .history = 5}, FloatCoding::kFloat16);
-  other.AddTransition(Observation({.vehicles = 2, .history = 5}), {}, 0.0f, 0, 1);
+  ChunkBuilder other(DrivingShape{.vehicles = 2, .history = 5}, FloatCoding::kFloat16);
+  other.AddTransition(Observation(DrivingShape{.vehicles = 2, .history = 5}), Action{}, 0.0f, 0, 1);
   std::vector<std::byte> chunk = other.Finish({1, 1, 1});
   const uint64_t schema = SchemaHash(kSpec);
   std::memcpy(&chunk[48], &schema, 8);
@@ -102,7 +104,7 @@ TEST_F(ToolsTest, VerifyFindsAFrameThatDoesNotDecodeBehindSoundChecksums) {
 }
 
 TEST_F(ToolsTest, VerifyNamesRewardsThatTheTaskCannotGive) {
-  TableOptions options{.directory = shard_, .schema = SchemaHash(kSpec), .replay = {}};
+  TableOptions options{.directory = shard_, .spec = kSpec, .replay = {}};
   options.bounds.reward = INFINITY;
   // A reward of about a thousand: possible for some task, not for the default one.
   const auto chunk = MakeSyntheticChunk(kSpec, {.identity = {1, 5, 1}, .episode = 1 << 20, .frames = 3});
@@ -138,11 +140,71 @@ TEST_P(RoundTrip, ExportImportExportIsTheSameToTheByte) {
   }
   EXPECT_EQ(files, 14u);
   // A replay takes it as its own.
-  TableOptions options{
-      .directory = fs::path(At("imported")) / "shard-0", .schema = SchemaHash(kSpec), .replay = {}};
+  TableOptions options{.directory = fs::path(At("imported")) / "shard-0", .spec = kSpec, .replay = {}};
   const auto table = ReplayTable::Open(options, clock_).value();
   EXPECT_EQ(table->stats().frames_held, 8u * 30u + 3u);
   EXPECT_EQ(table->stats().inserted_frames, 8u * 30u + 3u);
+}
+
+TEST_F(ToolsTest, AnExportOfTheFirstFormatIsImportedAsItWas) {
+  Store(3);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("a")}).exit_code, 0);
+  fs::rename(fs::path(At("a")) / "action.npy", fs::path(At("a")) / "actions.npy");
+  fs::rename(fs::path(At("a")) / "has_decision.npy", fs::path(At("a")) / "has_action.npy");
+  std::ofstream(fs::path(At("a")) / "index.json")
+      << R"({"format": "dadrl experience", "version": 1, "rows": 96,
+             "observation": {"vehicles": 6, "history": 5}, "floats": "float16", "arrays": {}})";
+  std::ofstream(At("run.yaml")) << "task: {reward: {goal: 100}}\n";
+  const ToolOutput imported =
+      RunTool({"import", At("imported"), "--from", At("a"), "--config", At("run.yaml")});
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  ASSERT_EQ(RunTool({"export", At("imported"), "--out", At("b")}).exit_code, 0);
+  EXPECT_EQ(FileBytes(fs::path(At("b")) / "action.npy"), FileBytes(fs::path(At("a")) / "actions.npy"));
+  EXPECT_EQ(FileBytes(fs::path(At("b")) / "vehicles.npy"), FileBytes(fs::path(At("a")) / "vehicles.npy"));
+}
+
+// Stored before there were descriptions, or under another column's.
+TEST_F(ToolsTest, AFolderWithoutItsColumnsIsReadIfItsStepsAreOfTheFirstFormat) {
+  Store(2);
+  ASSERT_TRUE(fs::remove(shard_ / "columns.json"));
+  EXPECT_EQ(RunTool({"verify", run_.string()}).exit_code, 0);
+  std::ofstream(shard_ / "columns.json") << "{}";
+  EXPECT_EQ(RunTool({"verify", run_.string()}).exit_code, 0);
+}
+
+// What a method adds to a step is stored, described, exported and imported without a word about it.
+TEST_F(ToolsTest, OtherColumnsAreExportedAndImportedByTheirNames) {
+  StepSpec spec = kSpec;
+  spec.observation.push_back({.name = "gap", .shape = {3}, .bound = 1.0f});
+  spec.decision.push_back({.name = "log_probability"});
+  {
+    const auto table = ReplayTable::Open({.directory = shard_, .spec = spec, .replay = {}}, clock_).value();
+    ChunkBuilder builder(spec, FloatCoding::kFloat16);
+    builder.Begin(1, 0);
+    Observation observation(spec);
+    for (int i = 0; i < 4; ++i) {
+      const auto x = static_cast<float>(i);
+      std::ranges::fill(observation.floats(3), 0.25f * x);
+      builder.AddTransition(observation, std::array{0.1f, 0.2f, -x}, 0.5f, i == 3 ? kTerminated : uint8_t{0}, 1);
+    }
+    ASSERT_EQ(table->Insert(builder.Finish({1, 5, 1})), ReplayTable::Insertion::kStored);
+  }
+  EXPECT_EQ(RunTool({"verify", run_.string()}).exit_code, 0);
+  ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("a")}).exit_code, 0);
+  const auto gap = ReadNpy<float>(fs::path(At("a")) / "gap.npy", 1 << 20).value();
+  EXPECT_EQ(gap.shape, (std::vector<size_t>{4, 3}));
+  EXPECT_EQ(gap.values[11], 0.75f);
+  const auto log_probability = ReadNpy<float>(fs::path(At("a")) / "log_probability.npy", 1 << 20).value();
+  EXPECT_EQ(log_probability.values, (std::vector{-0.0f, -1.0f, -2.0f, -3.0f}));
+  ASSERT_EQ(RunTool({"import", At("imported"), "--from", At("a")}).exit_code, 0);
+  ASSERT_EQ(RunTool({"export", At("imported"), "--out", At("b")}).exit_code, 0);
+  for (const char* name : {"index.json", "gap.npy", "log_probability.npy", "action.npy"}) {
+    EXPECT_EQ(FileBytes(fs::path(At("a")) / name), FileBytes(fs::path(At("b")) / name)) << name;
+  }
+  ASSERT_TRUE(fs::remove(shard_ / "columns.json"));
+  const ToolOutput unknown = RunTool({"verify", run_.string()});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("nothing says what its steps hold"));
 }
 
 TEST_F(ToolsTest, ExportedArraysHoldWhatWasStored) {
@@ -160,20 +222,19 @@ TEST_F(ToolsTest, ExportedArraysHoldWhatWasStored) {
   EXPECT_EQ(rewards.shape, std::vector<size_t>{30});
   EXPECT_EQ(vehicles.shape, (std::vector<size_t>{30, 6, 5, 7}));
   EXPECT_EQ(context.shape, (std::vector<size_t>{30, 2, 128, 128}));
-  FrameCodec codec(kSpec, FloatCoding::kFloat16);
+  PayloadCodec codec(kSpec, FloatCoding::kFloat16);
   Observation observation(kSpec);
   for (int frame = 0; frame < 20; ++frame) {
     const auto row = static_cast<size_t>(frame);
-    ASSERT_TRUE(
-        codec.Decode(view.payload(frame), observation.vehicles, observation.ego, observation.context));
+    ASSERT_TRUE(codec.Decode(view.payload(frame), observation));
     EXPECT_EQ(rewards.values[row], view.reward(frame));
     EXPECT_EQ(terminated.values[row], frame == 19);
     EXPECT_EQ(step.values[row], row);
-    EXPECT_TRUE(std::equal(observation.vehicles.begin(), observation.vehicles.end(),
+    EXPECT_TRUE(std::equal(VehiclesOf(observation).begin(), VehiclesOf(observation).end(),
                            vehicles.values.begin() + static_cast<ptrdiff_t>(row * 210)));
     for (const size_t pixel :
          {size_t{0}, size_t{8 * 128 + 60}, size_t{64 * 128 + 64}, size_t{2 * 16384 - 1}}) {
-      EXPECT_EQ(context.values[row * 32768 + pixel], observation.context[pixel / 8] >> (pixel % 8) & 1);
+      EXPECT_EQ(context.values[row * 32768 + pixel], ContextOf(observation)[pixel / 8] >> (pixel % 8) & 1);
     }
   }
 }
@@ -190,11 +251,11 @@ for name, array in index["arrays"].items():
     assert list(a[name].shape) == array["shape"] and a[name].dtype.str == array["type"], name
 rows = index["rows"]
 assert rows == 2 * 31 + 3
-transitions = a["has_action"] == 1
+transitions = a["has_decision"] == 1
 assert transitions.sum() == 63 and a["terminated"].sum() == 2 and a["truncated"].sum() == 2
 # The row behind a transition is its next observation, unless the episode terminated.
 after = numpy.flatnonzero(a["truncated"]) + 1
-assert (a["has_action"][after] == 0).all() and (a["step"][after] == 10).all()
+assert (a["has_decision"][after] == 0).all() and (a["step"][after] == 10).all()
 assert a["context"].max() == 1 and numpy.isfinite(a["vehicles"]).all()
 )";
   const ToolOutput checked = RunShell("/usr/bin/python3 " + script + " " + At("arrays"));
@@ -216,7 +277,7 @@ TEST_F(ToolsTest, ImportRefusesWhatIsNoExperienceAndLeavesNothingBehind) {
   const auto sound_ego = ego.values;
   ego.values[200] = NAN;
   ASSERT_TRUE(WriteNpy<float>(arrays / "ego.npy", ego.shape, ego.values));
-  refused("row 2: vehicles.npy or ego.npy", 2);
+  refused("row 2: ego.npy", 2);
   ASSERT_TRUE(WriteNpy<float>(arrays / "ego.npy", ego.shape, sound_ego));
   auto truncated = ReadNpy<uint8_t>(arrays / "truncated.npy", 1 << 20).value();
   const auto sound_truncated = truncated.values;
@@ -253,10 +314,10 @@ TEST_F(ToolsTest, ImportRefusesWhatTheTaskCannotProduce) {
   with("rewards", 3, 1e30f, "row 3: a reward of 1e+30, a decision of this task earns at most 5.56");
   with("rewards", 3, -3e38f, "row 3: a reward of -3e+38");
   with("rewards", 0, NAN, "row 0: a reward of nan");
-  with("actions", 4, 1.5f, "row 2: the action (1.5");
-  with("actions", 5, NAN, "row 2: the action");
-  with("vehicles", 0, 6.0f, "row 0: vehicles.npy or ego.npy holds a number that is not within [-5, 5]");
-  with("has_action", 1, uint8_t{2}, "row 1: has_action.npy holds something else than 0 and 1");
+  with("action", 4, 1.5f, "row 2: the decision (1.5");
+  with("action", 5, NAN, "within [-1, 1]");
+  with("vehicles", 0, 6.0f, "row 0: vehicles.npy holds a number that is not within [-5, 5]");
+  with("has_decision", 1, uint8_t{2}, "row 1: has_decision.npy holds something else than 0 and 1");
   with("incarnation", 2, UINT64_MAX, "row 2: incarnation 18446744073709551615 is a time to come");
   EXPECT_EQ(RunTool({"import", At("new"), "--from", arrays.string()}).exit_code, 0);
 }

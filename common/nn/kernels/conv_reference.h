@@ -39,7 +39,7 @@ struct Image {
   Real pixel[kContextPlanes * kContextSide * kContextSide];
 };
 
-// context: [4096] bytes, bit order of Observation::context.
+// context: [4096] bytes, the first bit of a byte is its lowest.
 template <class Real>
 void Unpack(const uint8_t* context, Image<Real>& image) {
   for (int i = 0; i < kContextPlanes * kContextSide * kContextSide; ++i) {

@@ -29,7 +29,7 @@ size_t ConvStackBiasCount(int layer);
 // depend on the batch.
 size_t ConvStackActivationBytes(int batch, bool for_backward);
 
-// context: [batch, 4096] bytes, bit order of Observation::context. features: [batch, 256], overwritten.
+// context: [batch, 4096] bytes, the first bit of a byte is its lowest. features: [batch, 256], overwritten.
 // With keep_for_backward, activations (of ConvStackActivationBytes(batch, true)) hold what the backward pass
 // of the same batch and parameters needs, until the next call that is given this memory.
 void ConvStackForward(const uint8_t* context, int batch, const ConvStackParams& params, void* activations,

@@ -83,7 +83,7 @@ class ActorProcessTest : public ::testing::Test {
       learner_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
       weights_ = dds::Writer<dadrl_idl_Weights>::Create(*learner_, kWeightsTopic).value();
     }
-    const ActingPolicy policy(ObservationSpec::From(config_.observation), config_.model);
+    const ActingPolicy policy(DrivingShape::From(config_.observation), config_.model);
     std::vector<float> parameters(policy.parameter_count());
     dadrl_idl_Weights message{};
     message.version = version;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "proto/experience.h"
+#include "tests/driving_columns.h"
 
 namespace dadrl {
 namespace {
@@ -16,7 +17,7 @@ using ::testing::ElementsAre;
 // A road on which nothing happens until the script says so. Observation number n of an episode holds n.
 class ScriptedEnvironment final : public Environment {
  public:
-  explicit ScriptedEnvironment(const ObservationSpec& spec) : observation_(spec) {}
+  explicit ScriptedEnvironment(const DrivingShape& spec) : observation_(spec) {}
 
   int decisions = 3;       // of an episode
   bool terminates = true;  // else it is truncated
@@ -28,13 +29,13 @@ class ScriptedEnvironment final : public Environment {
   Status Reset(uint64_t seed) override {
     seeds.push_back(seed);
     step_ = 0;
-    observation_.ego[0] = 0.0f;
+    EgoOf(observation_)[0] = 0.0f;
     return on_reset ? on_reset() : Status();
   }
   Result<StepResult> Step(const Action& action) override {
     if (on_step) DADRL_RETURN_IF_ERROR(on_step());
     actions.push_back(action);
-    observation_.ego[0] = static_cast<float>(++step_);
+    EgoOf(observation_)[0] = static_cast<float>(++step_);
     const bool last = step_ == decisions;
     summary_.seed = seeds.back();
     summary_.steps = 3 * step_ - 1;  // the last decision was cut short
@@ -59,12 +60,12 @@ class RecordingSink final : public ExperienceSink {
   std::function<bool()> is_blocked = [] { return false; };
 
   void BeginEpisode(uint64_t episode) override { lines.push_back(fmt::format("begin {}", episode)); }
-  void AddTransition(const Observation& observation, const Action&, float reward, uint8_t flags,
+  void AddTransition(const Observation& observation, std::span<const float>, float reward, uint8_t flags,
                      uint32_t policy_version) override {
-    lines.push_back(fmt::format("{} r{} f{} v{}", observation.ego[0], reward, flags, policy_version));
+    lines.push_back(fmt::format("{} r{} f{} v{}", EgoOf(observation)[0], reward, flags, policy_version));
   }
   void AddFinal(const Observation& observation) override {
-    lines.push_back(fmt::format("final {}", observation.ego[0]));
+    lines.push_back(fmt::format("final {}", EgoOf(observation)[0]));
   }
   void EndEpisode() override { lines.emplace_back("end"); }
   bool blocked() const override { return is_blocked(); }
@@ -85,9 +86,7 @@ class ScriptedPolicies final : public PolicySource {
 class CollectorTest : public ::testing::Test {
  protected:
   CollectorTest()
-      : spec_(ObservationSpec::From(config_.observation)),
-        environment_(spec_),
-        policy_(spec_, config_.model) {}
+      : spec_(DrivingShape::From(config_.observation)), environment_(spec_), policy_(spec_, config_.model) {}
   Collector Make(uint64_t incarnation = 1) {
     return Collector(config_, {environment_, sink_, policies_, policy_, ledger_, clock_, stop_}, 0,
                      incarnation);
@@ -98,7 +97,7 @@ class CollectorTest : public ::testing::Test {
   }
 
   Config config_;
-  const ObservationSpec spec_;
+  const DrivingShape spec_;
   ScriptedEnvironment environment_;
   RecordingSink sink_;
   ScriptedPolicies policies_;

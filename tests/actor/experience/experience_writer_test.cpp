@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "common/step/driving_shape.h"
 #include "tests/actor/experience/replay_peer.h"
 
 namespace dadrl {
@@ -14,7 +15,7 @@ constexpr uint64_t kIncarnation = 1234567890123;
 
 class ExperienceWriterTest : public ::testing::Test {
  protected:
-  ExperienceWriterTest() : observation_(ObservationSpec::From(config_.observation)) {
+  ExperienceWriterTest() : observation_(DrivingShape::From(config_.observation)) {
     config_.cluster.port = dds::FindFreePort().value();
     config_.cluster.lease_s = 3.0;
     config_.actor.chunk_frames = 4;
@@ -30,7 +31,7 @@ class ExperienceWriterTest : public ::testing::Test {
     writer_->BeginEpisode(++episode_);
     for (int i = 0; i < chunks * config_.actor.chunk_frames; ++i) {
       const bool last = i + 1 == chunks * config_.actor.chunk_frames;
-      writer_->AddTransition(observation_, {0.5f, -0.5f}, reward_++, last ? kTerminated : 0, 1);
+      writer_->AddTransition(observation_, Action{0.5f, -0.5f}, reward_++, last ? kTerminated : 0, 1);
     }
     writer_->EndEpisode();
   }
@@ -66,12 +67,12 @@ TEST_F(ExperienceWriterTest, CutsEpisodesIntoChunks) {
   StartReplay(100);
   writer_->BeginEpisode(7);
   for (int i = 0; i < 6; ++i) {
-    writer_->AddTransition(observation_, {0, 0}, reward_++, i == 5 ? kTruncated : 0, 1);
+    writer_->AddTransition(observation_, Action{}, reward_++, i == 5 ? kTruncated : 0, 1);
   }
   writer_->AddFinal(observation_);
   writer_->EndEpisode();
   writer_->BeginEpisode(8);
-  writer_->AddTransition(observation_, {0, 0}, reward_++, 0, 1);
+  writer_->AddTransition(observation_, Action{}, reward_++, 0, 1);
   ASSERT_TRUE(writer_->Flush(std::chrono::seconds(60)));
   const auto chunks = disk_.Copy();
   ASSERT_EQ(chunks.size(), 3);

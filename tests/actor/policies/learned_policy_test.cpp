@@ -27,7 +27,7 @@ class LearnedPolicyTest : public testing::Test {
 
   // Small random parameters, saved as a training would.
   std::vector<float> Save() {
-    const ActingPolicy policy(ObservationSpec::From(trained_.observation), trained_.model);
+    const ActingPolicy policy(DrivingShape::From(trained_.observation), trained_.model);
     std::vector<float> parameters(policy.parameter_count());
     Random random(1);
     for (float& parameter : parameters) parameter = static_cast<float>(random.Uniform(-0.1, 0.1));
@@ -51,7 +51,7 @@ TEST_F(LearnedPolicyTest, DrivesAsTheActingPolicyWithTheTrainingsTask) {
   EXPECT_EQ(setup->config.task.decision_interval, 4);
   const auto environment = DrivingEnvironment::Create(setup->config);
   ASSERT_TRUE(environment) << environment.error().message;
-  ActingPolicy reference(ObservationSpec::From(trained_.observation), trained_.model);
+  ActingPolicy reference(DrivingShape::From(trained_.observation), trained_.model);
   ASSERT_TRUE(reference.Load(parameters));
   ASSERT_TRUE((*environment)->Reset(1'000'000));
   for (int decision = 0; decision < 10; ++decision) {

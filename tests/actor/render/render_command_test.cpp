@@ -160,7 +160,7 @@ TEST_F(RenderCommandTest, APartBeyondTheEpisodeIsRefused) {
 TEST_F(RenderCommandTest, APolicyOfAnotherLayoutIsRefused) {
   Config trained;
   trained.observation.vehicles = 4;
-  const ActingPolicy policy(ObservationSpec::From(trained.observation), trained.model);
+  const ActingPolicy policy(DrivingShape::From(trained.observation), trained.model);
   const std::vector<float> parameters(policy.parameter_count());
   options_.policy = (folder_ / "other.policy").string();
   ASSERT_TRUE(
@@ -177,7 +177,7 @@ TEST_F(RenderCommandTest, ALearnedPolicyBringsItsOwnObservation) {
   Config trained;
   trained.observation.vehicles = 3;
   trained.model.hidden = 32;
-  const ActingPolicy policy(ObservationSpec::From(trained.observation), trained.model);
+  const ActingPolicy policy(DrivingShape::From(trained.observation), trained.model);
   const std::vector<float> parameters(policy.parameter_count(), 0.01f);
   options_.policy = (folder_ / "three.policy").string();
   ASSERT_TRUE(

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "actor/render/recording.h"
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "tests/actor/test_maps.h"
 
 namespace dadrl::test {
@@ -33,7 +33,7 @@ inline Recording StraightDrive(int steps) {
     moment.reward_so_far.progress = 0.25 * step;
     moment.command = DriveCommand{8.0, 1};
     moment.attention = {{3, 0.42}, {7, 0.1}};
-    moment.context.assign(ObservationSpec::kContextBytes, 0);
+    moment.context.assign(DrivingShape::kContextBytes, 0);
     recording.moments.push_back(std::move(moment));
   }
   recording.summary.seed = 1'000'003;

@@ -17,11 +17,11 @@
 namespace dadrl {
 namespace {
 
-constexpr int kSize = ObservationSpec::kContextSize;
+constexpr int kSize = DrivingShape::kContextSize;
 using Planes = std::vector<uint8_t>;
 
 Planes Draw(const RoadMap& map, const Route& route, const Pose& ego) {
-  Planes planes(ObservationSpec::kContextBytes, 0xAA);
+  Planes planes(DrivingShape::kContextBytes, 0xAA);
   BirdsEyeView(map, route).Draw(ego, route.centre().Project(ego.position).s, planes);
   return planes;
 }
@@ -206,7 +206,7 @@ TEST(BirdsEyeView, ARoadLooksTheSameHoweverFarItGoes) {
   const Route route(map, {0}, {0, 0}, {20'000, 0});
   BirdsEyeView view(map, route);
   const auto look = [&](double x) {
-    Planes planes(ObservationSpec::kContextBytes, 0xAA);
+    Planes planes(DrivingShape::kContextBytes, 0xAA);
     view.Draw({{x, 0.0}, 0.0}, x, planes);
     return planes;
   };

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "common/model/observation.h"
+#include "common/step/driving_shape.h"
 #include "tests/actor/test_maps.h"
 
 namespace dadrl {

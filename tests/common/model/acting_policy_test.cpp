@@ -39,18 +39,18 @@ TEST_P(ActingPolicyTest, AgreesWithTheBatchedPath) {
       model.stae = stae;
       model.context = context;
       model.hidden = 72;  // no multiple of sixteen
-      const ObservationSpec spec;
+      const DrivingShape spec;
       const PolicyNetwork network(spec, model);
       const std::vector<float> parameters = Parameters(network, 4);
-      const ObservationBatch batch = GoldenObservations(0);
+      const Columns batch = GoldenObservations(0);
       EncoderRun run(network.encoder, batch, false);
-      const std::vector<float> expected = BatchedOutput(network, parameters, run, batch.size);
+      const std::vector<float> expected = BatchedOutput(network, parameters, run, batch.rows());
       const std::vector<float> attention =
-          stae ? nn::ToRowVector(run.activations().stae.attention.weights, batch.size, spec.vehicles)
+          stae ? nn::ToRowVector(run.activations().stae.attention.weights, batch.rows(), spec.vehicles)
                : std::vector<float>();
       ActingPolicy policy(spec, model);
       ASSERT_TRUE(policy.Load(parameters));
-      for (int i = 0; i < batch.size; ++i) {
+      for (int i = 0; i < batch.rows(); ++i) {
         policy.Act(OneOf(batch, spec, i), nullptr);
         for (size_t d = 0; d < 2; ++d) {
           const size_t at = static_cast<size_t>(i) * 4 + d;
@@ -67,7 +67,7 @@ TEST_P(ActingPolicyTest, AgreesWithTheBatchedPath) {
 }
 
 TEST_P(ActingPolicyTest, DeterministicIsTanhOfTheMeanAndNoiseFollowsTheSeed) {
-  const ObservationSpec spec;
+  const DrivingShape spec;
   ActingPolicy policy(spec, {});
   ASSERT_TRUE(policy.Load(Parameters(PolicyNetwork(spec, {}), 4)));
   const Observation observation = OneOf(GoldenObservations(0), spec, 2);
@@ -90,7 +90,7 @@ TEST_P(ActingPolicyTest, DeterministicIsTanhOfTheMeanAndNoiseFollowsTheSeed) {
 INSTANTIATE_TEST_SUITE_P(Isa, ActingPolicyTest, nn::AllIsas(), nn::IsaTestName);
 
 TEST(ActingPolicyLoadTest, RefusesAnotherLengthAndNamesATensorThatIsNotFinite) {
-  const ObservationSpec spec;
+  const DrivingShape spec;
   const PolicyNetwork network(spec, {});
   ActingPolicy policy(spec, {});
   EXPECT_EQ(policy.parameter_count(), network.layout.size());
@@ -108,7 +108,7 @@ TEST(ActingPolicyLoadTest, RefusesAnotherLengthAndNamesATensorThatIsNotFinite) {
 }
 
 TEST(ActingPolicyLoadTest, FailedLoadKeepsThePolicyInUse) {
-  const ObservationSpec spec;
+  const DrivingShape spec;
   const PolicyNetwork network(spec, {});
   ActingPolicy policy(spec, {});
   std::vector<float> parameters = Parameters(network, 1);
@@ -124,8 +124,8 @@ TEST(ActingPolicyLoadTest, FailedLoadKeepsThePolicyInUse) {
 TEST(ActingPolicyLoadTest, LayoutsDifferBetweenModels) {
   ModelConfig blind;
   blind.context = false;
-  EXPECT_NE(ActingPolicy(ObservationSpec{}, {}).layout_hash(),
-            ActingPolicy(ObservationSpec{}, blind).layout_hash());
+  EXPECT_NE(ActingPolicy(DrivingShape{}, {}).layout_hash(),
+            ActingPolicy(DrivingShape{}, blind).layout_hash());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "common/model/mlp.h"
 #include "tests/common/model/model_fixture.h"
+#include "tests/driving_columns.h"
 
 namespace dadrl {
 namespace {
@@ -34,7 +35,7 @@ TEST_P(EncoderTest, ForgettingActivationsChangesNoFeature) {
   const Encoder encoder = Encoder::Add(layout, "encoder", {}, {});
   nn::FloatBuffer parameters(layout.size());
   layout.Initialize(3, parameters.span());
-  const ObservationBatch batch = GoldenObservations(1);
+  const Columns batch = GoldenObservations(1);
   EXPECT_EQ(EncoderRun(encoder, batch, true).Forward(parameters.data()),
             EncoderRun(encoder, batch, false).Forward(parameters.data()));
 }
@@ -46,11 +47,11 @@ TEST_P(EncoderTest, AblationPassesTheRawTensorsThrough) {
   const Encoder encoder = Encoder::Add(layout, "encoder", {}, model);
   EXPECT_EQ(encoder.features(), 100 + 210 + 128);
   nn::FloatBuffer parameters(layout.size());
-  const ObservationBatch batch = GoldenObservations(2);
+  const Columns batch = GoldenObservations(2);
   const std::vector<float> features = EncoderRun(encoder, batch, false).Forward(parameters.data());
   for (size_t i = 0; i < kGoldenBatch; ++i) {
-    for (size_t j = 0; j < 100; ++j) ASSERT_EQ(features[i * 438 + j], batch.ego[i * 100 + j]);
-    for (size_t j = 0; j < 210; ++j) ASSERT_EQ(features[i * 438 + 100 + j], batch.vehicles[i * 210 + j]);
+    for (size_t j = 0; j < 100; ++j) ASSERT_EQ(features[i * 438 + j], EgoOf(batch)[i * 100 + j]);
+    for (size_t j = 0; j < 210; ++j) ASSERT_EQ(features[i * 438 + 100 + j], VehiclesOf(batch)[i * 210 + j]);
   }
 }
 
@@ -58,14 +59,14 @@ TEST_P(EncoderTest, AblationPassesTheRawTensorsThrough) {
 TEST_P(EncoderTest, DirectionalDerivativeAgreesWithFiniteDifferences) {
   ModelConfig model;
   model.context = false;
-  const ObservationSpec spec{.vehicles = 3, .history = 2};
+  const DrivingShape spec{.vehicles = 3, .history = 2};
   nn::ParamLayout layout;
   const Encoder encoder = Encoder::Add(layout, "encoder", spec, model);
   nn::FloatBuffer parameters(layout.size());
   layout.Initialize(5, parameters.span());
-  ObservationBatch batch(spec, 7);
-  std::ranges::copy(Uniform(1, batch.vehicles.size()), batch.vehicles.begin());
-  std::ranges::copy(Uniform(2, batch.ego.size()), batch.ego.begin());
+  Columns batch(spec, 7);
+  std::ranges::copy(Uniform(1, VehiclesOf(batch).size()), VehiclesOf(batch).begin());
+  std::ranges::copy(Uniform(2, EgoOf(batch).size()), EgoOf(batch).begin());
   EncoderRun run(encoder, batch, true);
   const auto loss = [&](const nn::FloatBuffer& at) {
     double sum = 0.0;

@@ -3,6 +3,7 @@
 
 #include "common/model/networks.h"
 #include "tests/common/nn/lane_test.h"
+#include "tests/driving_columns.h"
 #include "tests/golden/golden.h"
 
 namespace dadrl {
@@ -10,39 +11,37 @@ namespace dadrl {
 constexpr int kGoldenBatch = 18;
 
 // Observation batch `index` of the golden inputs.
-inline ObservationBatch GoldenObservations(int index) {
-  ObservationBatch batch(ObservationSpec{}, kGoldenBatch);
+inline Columns GoldenObservations(int index) {
+  Columns batch(DrivingShape{}, kGoldenBatch);
   const std::string suffix = std::to_string(index);
-  batch.vehicles = golden::Floats("inputs/vehicles" + suffix);
-  batch.ego = golden::Floats("inputs/ego" + suffix);
-  batch.context = golden::Bytes("inputs/context" + suffix);
+  std::ranges::copy(golden::Floats("inputs/vehicles" + suffix), VehiclesOf(batch).begin());
+  std::ranges::copy(golden::Floats("inputs/ego" + suffix), EgoOf(batch).begin());
+  std::ranges::copy(golden::Bytes("inputs/context" + suffix), ContextOf(batch).begin());
   return batch;
 }
 
-inline Observation OneOf(const ObservationBatch& batch, const ObservationSpec& spec, int sample) {
+inline Observation OneOf(const Columns& batch, const DrivingShape& spec, int sample) {
   Observation observation(spec);
-  const auto i = static_cast<size_t>(sample);
-  const auto take = [&](const auto& from, auto& to) {
-    std::copy_n(from.begin() + static_cast<ptrdiff_t>(i * to.size()), to.size(), to.begin());
-  };
-  take(batch.vehicles, observation.vehicles);
-  take(batch.ego, observation.ego);
-  take(batch.context, observation.context);
+  const ColumnRows row(batch, sample, 1);
+  for (size_t i = 0; i < batch.columns(); ++i) {
+    std::ranges::copy(row.floats(i), observation.floats(i).begin());
+    std::ranges::copy(row.bits(i), observation.bits(i).begin());
+  }
   return observation;
 }
 
 // An encoder's memory and its passes over one batch, for the instruction set in use.
 class EncoderRun {
  public:
-  EncoderRun(const Encoder& encoder, const ObservationBatch& batch, bool keep)
-      : encoder_(encoder), kernels_(nn::LaneKernelsFor(nn::ActiveIsa())), samples_(batch.size) {
-    const int blocks = nn::BlocksOf(batch.size);
+  EncoderRun(const Encoder& encoder, const Columns& batch, bool keep)
+      : encoder_(encoder), kernels_(nn::LaneKernelsFor(nn::ActiveIsa())), samples_(batch.rows()) {
+    const int blocks = nn::BlocksOf(batch.rows());
     nn::Arena measure;
     LayOut(measure, blocks, keep);
     arena_ = nn::Arena(measure.used());
     LayOut(arena_, blocks, keep);
-    context_ = batch.context;
-    context_.resize(static_cast<size_t>(blocks) * nn::kLanes * ObservationSpec::kContextBytes);
+    context_.assign(ContextOf(batch).begin(), ContextOf(batch).end());
+    context_.resize(static_cast<size_t>(blocks) * nn::kLanes * DrivingShape::kContextBytes);
     observations_.Pack(kernels_, batch, context_.data(), 0);
   }
 

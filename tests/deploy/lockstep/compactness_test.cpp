@@ -19,7 +19,7 @@ TEST(Compactness, ALeftTurnTakesLessThanEightHundredBytesAFrameAllTold) {
   TimeLedger ledger(clock);
   const std::atomic<bool> stop{false};
   auto table = ReplayTable::Open({.directory = folder.path(),
-                                  .schema = SchemaHash(ObservationSpec::From(config.observation)),
+                                  .spec = DrivingStepSpec(config),
                                   .replay = config.replay,
                                   .n_step = config.algorithm.n_step},
                                  clock)
@@ -27,7 +27,7 @@ TEST(Compactness, ALeftTurnTakesLessThanEightHundredBytesAFrameAllTold) {
   const auto environment = MakeDrivingEnvironment(config).value();
   TableSink sink(config, *table);
   PolicyRelay relay;
-  ActingPolicy policy(ObservationSpec::From(config.observation), config.model);
+  ActingPolicy policy(DrivingShape::From(config.observation), config.model);
   Collector collector(config,
                       {.environment = *environment,
                        .sink = sink,

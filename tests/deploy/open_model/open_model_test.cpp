@@ -38,7 +38,7 @@ class OpenModelTest : public testing::Test {
   }
 
   void SavePolicyOf(bool with_critic = true) {
-    const ObservationSpec spec = ObservationSpec::From(config_.observation);
+    const DrivingShape spec = DrivingShape::From(config_.observation);
     const PolicyNetwork policy(spec, config_.model);
     const CriticNetwork critic(spec, config_.model);
     const std::vector<float> parameters = Fresh(policy.layout, 1);
@@ -299,7 +299,7 @@ TEST_F(BadObservationsTest, TooMany) {
 
 TEST_F(BadObservationsTest, CountsThatDiffer) {
   Write("ego", {2, 5, 20}, std::vector<float>(200));
-  ExpectRefused(2, "vehicles.npy holds 19 observations, ego.npy 2, context.npy 19");
+  ExpectRefused(2, "ego.npy holds 2 observations, the first column 19: record them together");
 }
 
 TEST_F(BadObservationsTest, WrongTypes) {

@@ -3,20 +3,21 @@
 #include <cstring>
 
 #include "proto/experience.h"
-#include "proto/experience_bounds.h"
 #include "tests/fuzz/harness.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl::fuzz {
 namespace {
 
-const ObservationSpec kSpec;
+const DrivingShape kSpec;
 
 // What every reader relies on.
 void CheckFrame(const ChunkView& view, int frame) {
-  Require(std::isfinite(view.reward(frame)) && IsPossibleAction(view.action(frame)));
+  Require(std::isfinite(view.reward(frame)));
+  for (size_t i = 0; i < view.decision_floats(); ++i) Require(std::isfinite(view.decision(frame, i)));
+  Require(view.decision(frame).size() == view.decision_floats() * sizeof(float));
   const bool last = frame + 1 == view.frames();
-  Require(last || (view.flags(frame) & (kHasAction | kTerminated)) == kHasAction);
+  Require(last || (view.flags(frame) & (kHasDecision | kTerminated)) == kHasDecision);
   const std::span<const std::byte> payload = view.payload(frame);
   Require(!payload.empty());
   Require(payload.data() >= view.bytes().data());
@@ -61,7 +62,7 @@ Seeds MakeSeeds() {
   constexpr size_t kActions = kChunkHeaderBytes + 3 * 4;
   constexpr size_t kRewards = kActions + 3 * 8;
   spoiled(kRewards, INFINITY);
-  spoiled(kActions, 1e30f);
+  spoiled(kActions, std::nanf(""));
   spoiled(32, UINT64_MAX);                         // sequence
   spoiled(12, UINT32_MAX);                         // first frame
   spoiled(kRewards + 3 * 4 + 4 + 4, uint32_t{0});  // offset of the second payload: the first is empty

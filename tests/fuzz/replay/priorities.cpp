@@ -13,7 +13,7 @@ constexpr size_t kDraws = 16;
 
 std::unique_ptr<ReplayTable> OpenTable() {
   static const SystemClock clock;
-  TableOptions options{.directory = {}, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 2};
+  TableOptions options{.directory = {}, .spec = kTestSpec, .replay = {}, .n_step = 2};
   options.replay.sampler = SamplerKind::kPrioritized;
   options.replay.priority_exponent = 2.0;
   options.replay.min_size = 1;
@@ -50,7 +50,7 @@ bool Check(std::span<std::byte> input) {
     priorities.push_back(reader.Get<float>());
   }
   table->UpdatePriorities(keys, priorities);
-  const auto drawn = table->Draw({.count = kDraws});
+  const auto drawn = table->Draw({.count = kDraws}, 0);
   Require(drawn.has_value() && drawn->items.size() == kDraws);
   for (const DrawnItems::Item& item : drawn->items) {
     Require(item.probability > 0.0f && item.probability <= 1.0f);

@@ -73,7 +73,7 @@ void Lay(const fs::path& folder, std::span<std::byte> input) {
 }
 
 TableOptions Options(const fs::path& folder) {
-  TableOptions options{.directory = folder, .schema = SchemaHash(kTestSpec), .replay = {}, .n_step = 2};
+  TableOptions options{.directory = folder, .spec = kTestSpec, .replay = {}, .n_step = 2};
   options.replay.min_size = 1;
   options.replay.samples_per_insert = 0.0;
   options.replay.sampler = SamplerKind::kPrioritized;
@@ -82,10 +82,11 @@ TableOptions Options(const fs::path& folder) {
 
 // Goes on as a replay does: draws, takes a new chunk, saves.
 void CheckTable(ReplayTable& table) {
-  const auto drawn = table.Sample(16, 2, 0);
-  for (size_t i = 0; drawn && i < drawn->items.size(); ++i) {
-    for (const float reward : drawn->items[i].rewards) Require(kTestBounds.AllowsReward(reward));
-    Require(IsPossibleAction(drawn->items[i].action));
+  const auto drawn = table.Sample({16, 2}, 0);
+  for (size_t i = 0; drawn && i < drawn->trajectories.size(); ++i) {
+    for (const SampledStep& step : drawn->trajectories[i].steps) {
+      Require(kTestBounds.AllowsReward(step.reward) && step.decision.size() == sizeof(Action));
+    }
   }
   Require(table.Insert(Build({.identity = {99, 1, 1}, .end = kTerminated}), 1).has_value());
   Require(table.SaveState().has_value());

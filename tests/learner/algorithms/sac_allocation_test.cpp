@@ -23,7 +23,7 @@ TEST_F(AllocationTest, UpdateAllocatesNothingAfterTheFirst) {
       config.algorithm.batch_size = 40;
       config.learner.threads = threads;
       Sac sac(config);
-      const TransitionBatch batch = AnyBatch(ObservationSpec{}, 40, 1);
+      const TransitionBatch batch = AnyBatch(DrivingShape{}, 40, 1);
       ASSERT_TRUE(sac.Update(batch));
       const long before = Allocations();
       bool updated = true;
@@ -36,7 +36,7 @@ TEST_F(AllocationTest, UpdateAllocatesNothingAfterTheFirst) {
 }
 
 TEST_F(AllocationTest, ActAllocatesNothing) {
-  const ObservationSpec spec;
+  const DrivingShape spec;
   const ModelConfig model;
   ActingPolicy policy(spec, model);
   ASSERT_TRUE(policy.Load(std::vector<float>(policy.parameter_count(), 0.01f)));

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "learner/algorithms/sac.h"
+#include "tests/driving_columns.h"
 #include "tests/golden/golden.h"
 
 namespace dadrl {
@@ -25,17 +26,33 @@ class RecordedNoise final : public NoiseSource {
   size_t next_ = 0;
 };
 
+// Transitions that own what they show.
+struct TransitionBatch {
+  TransitionBatch(const DrivingShape& spec, int size)
+      : observation(spec, size),
+        next_observation(spec, size),
+        action(static_cast<size_t>(size) * kActionSize),
+        reward(static_cast<size_t>(size)),
+        discount(static_cast<size_t>(size)),
+        weight(static_cast<size_t>(size), 1.0f) {}
+  operator Transitions() const { return {observation, next_observation, action, reward, discount, weight}; }
+
+  Columns observation;
+  Columns next_observation;
+  std::vector<float> action, reward, discount, weight;
+};
+
 // Any batch: plausible values, some absent vehicles, a termination; the same for the same salt.
-inline TransitionBatch AnyBatch(const ObservationSpec& spec, int size, uint64_t salt) {
+inline TransitionBatch AnyBatch(const DrivingShape& spec, int size, uint64_t salt) {
   TransitionBatch batch(spec, size);
-  const auto fill = [&](std::vector<float>& values, float scale) {
+  const auto fill = [&](std::span<float> values, float scale) {
     std::ranges::copy(golden::Uniform(salt++, values.size(), scale), values.begin());
   };
-  for (ObservationBatch* observation : {&batch.observation, &batch.next_observation}) {
-    fill(observation->vehicles, 1.0f);
-    fill(observation->ego, 1.0f);
-    const std::vector<float> bits = golden::Uniform(salt++, observation->context.size(), 128.0f);
-    std::ranges::transform(bits, observation->context.begin(),
+  for (Columns* observation : {&batch.observation, &batch.next_observation}) {
+    fill(VehiclesOf(*observation), 1.0f);
+    fill(EgoOf(*observation), 1.0f);
+    const std::vector<float> bits = golden::Uniform(salt++, ContextOf(*observation).size(), 128.0f);
+    std::ranges::transform(bits, ContextOf(*observation).begin(),
                            [](float value) { return static_cast<uint8_t>(value + 128.0f); });
   }
   fill(batch.action, 0.99f);

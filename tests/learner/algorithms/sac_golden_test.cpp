@@ -6,6 +6,7 @@
 // uses algorithm.adam_epsilon 1e-5 (worst: 2.4e-6). The default is held by the first moments after one
 // update, which are a tenth of the gradients, and by the steps that follow from them.
 #include "common/nn/kernels/isa.h"
+#include "tests/driving_columns.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
 namespace dadrl {
@@ -44,12 +45,12 @@ Config ConfigOf(const Case& c, int threads) {
 }
 
 TransitionBatch BatchOf(int update) {
-  TransitionBatch batch(ObservationSpec{}, kBatch);
-  const auto read = [](ObservationBatch& observation, int index) {
+  TransitionBatch batch(DrivingShape{}, kBatch);
+  const auto read = [](Columns& observation, int index) {
     const std::string suffix = std::to_string(index);
-    observation.vehicles = Floats("inputs/vehicles" + suffix);
-    observation.ego = Floats("inputs/ego" + suffix);
-    observation.context = golden::Bytes("inputs/context" + suffix);
+    std::ranges::copy(Floats("inputs/vehicles" + suffix), VehiclesOf(observation).begin());
+    std::ranges::copy(Floats("inputs/ego" + suffix), EgoOf(observation).begin());
+    std::ranges::copy(golden::Bytes("inputs/context" + suffix), ContextOf(observation).begin());
   };
   read(batch.observation, update);
   read(batch.next_observation, update + 1);

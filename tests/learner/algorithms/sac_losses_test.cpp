@@ -5,6 +5,7 @@
 
 #include "tests/common/nn/lane_test.h"
 #include "tests/golden/golden.h"
+#include "tests/learner/algorithms/sac_fixture.h"
 
 namespace dadrl {
 namespace {
@@ -22,7 +23,7 @@ class SacLossesTest : public testing::Test {
     nn::Arena measure;
     SacWorkspace(measure, policy_, critic_, {}, 2);
     arena_ = nn::Arena(measure.used());
-    workspace_ = std::make_unique<SacWorkspace>(arena_, policy_, critic_, ObservationSpec{}, 2);
+    workspace_ = std::make_unique<SacWorkspace>(arena_, policy_, critic_, DrivingShape{}, 2);
     workspace_->samples = kBatch;
   }
 
@@ -76,7 +77,7 @@ TEST_F(SacLossesTest, AllLossesAgreeWithPyTorch) {
     Write(critics[c]->value, 1, q);
   }
 
-  TransitionBatch batch(ObservationSpec{}, kBatch);
+  TransitionBatch batch(DrivingShape{}, kBatch);
   batch.reward = Uniform(84, kBatch);
   batch.weight = Uniform(85, kBatch);
   batch.discount = Uniform(86, kBatch);
@@ -114,7 +115,7 @@ TEST_F(SacLossesTest, PaddingGetsNoGradient) {
   for (nn::LaneSpan span : {w.critic1.value_gradient, w.critic2.value_gradient}) {
     std::fill(span.data, span.data + 2 * nn::kLanes, 7.0f);
   }
-  TransitionBatch batch(ObservationSpec{}, kBatch);
+  TransitionBatch batch(DrivingShape{}, kBatch);
   std::vector<float> td_error(kBatch);
   CriticLoss(w, batch, td_error);
   for (nn::LaneSpan span : {w.critic1.value_gradient, w.critic2.value_gradient}) {
@@ -138,7 +139,7 @@ TEST_F(SacLossesTest, NStepTargetsMatchAHandWorkedTable) {
       {"truncated after one step of -1: -1 + 0.9 * 2.5", -1.0f, 0.9f, 1.25},
       {"terminated at once with -1", -1.0f, 0.0f, -1.0},
   };
-  TransitionBatch batch(ObservationSpec{}, kBatch);
+  TransitionBatch batch(DrivingShape{}, kBatch);
   for (size_t i = 0; i < std::size(rows); ++i) {
     batch.reward[i] = rows[i].reward;
     batch.discount[i] = rows[i].discount;
@@ -153,7 +154,7 @@ TEST_F(SacLossesTest, NStepTargetsMatchAHandWorkedTable) {
 
 TEST_F(SacLossesTest, NanInEitherCriticReachesTargetAndLoss) {
   SacWorkspace& w = *workspace_;
-  TransitionBatch batch(ObservationSpec{}, kBatch);
+  TransitionBatch batch(DrivingShape{}, kBatch);
   std::ranges::fill(batch.discount, 0.9f);
   for (SacWorkspace::Critic* critic : {&w.critic1, &w.critic2}) {
     Write(w.critic1.value, 1, std::vector<float>(kBatch, 1.0f));

@@ -18,9 +18,9 @@ Config SmallConfig(EncoderSharing encoders = EncoderSharing::kSeparate, int thre
   return config;
 }
 
-const ObservationSpec kSpec;
+const DrivingShape kSpec;
 
-void Train(Algorithm& algorithm, int first, int count) {
+void Train(Sac& algorithm, int first, int count) {
   for (int i = first; i < first + count; ++i) {
     const auto stats = algorithm.Update(AnyBatch(kSpec, 48, 1000 * static_cast<uint64_t>(i)));
     ASSERT_TRUE(stats) << stats.error().message;
@@ -138,7 +138,7 @@ TEST_P(SacOnEverySharing, NamesTheBadTensorOfABatchAndChangesNothing) {
     }
   }
   TransitionBatch batch = AnyBatch(kSpec, 48, 1);
-  batch.next_observation.ego[5] = std::nanf("");
+  EgoOf(batch.next_observation)[5] = std::nanf("");
   const auto stats = sac.Update(batch);
   ASSERT_FALSE(stats);
   EXPECT_NE(stats.error().message.find("next_observation.ego"), std::string::npos) << stats.error().message;
@@ -173,7 +173,7 @@ TEST_P(SacOnEverySharing, RefusesBatchesOfAnotherShape) {
   Sac sac(SmallConfig(GetParam()));
   EXPECT_EQ(sac.Update(AnyBatch(kSpec, 64, 1)).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(sac.Update(TransitionBatch(kSpec, 0)).error().code, ErrorCode::kInvalidArgument);
-  ObservationSpec other;
+  DrivingShape other;
   other.vehicles = 5;
   EXPECT_EQ(sac.Update(AnyBatch(other, 48, 1)).error().code, ErrorCode::kInvalidArgument);
 }

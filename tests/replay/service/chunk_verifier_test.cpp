@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/io/checksum.h"
+#include "tests/driving_columns.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {
@@ -53,14 +54,14 @@ TEST(ChunkVerifier, FindsAnyFaultyFrameOfANewWriter) {
 
 TEST(ChunkVerifier, FindsAFeatureBeyondWhatSensingClampsTo) {
   Observation impossible(kTestSpec);
-  impossible.ego[4] = 1e30f;
+  EgoOf(impossible)[4] = 1e30f;
   ChunkBuilder builder(kTestSpec, FloatCoding::kFloat32);
-  builder.AddTransition(Observation(kTestSpec), {}, 0.0f, 0, 1);
-  builder.AddTransition(impossible, {}, 0.0f, 0, 1);
+  builder.AddTransition(Observation(kTestSpec), Action{}, 0.0f, 0, 1);
+  builder.AddTransition(impossible, Action{}, 0.0f, 0, 1);
   ChunkVerifier verifier(kTestSpec, false, 1);
   const Status checked = Check(verifier, builder.Finish({7, 1, 1}));
   ASSERT_FALSE(checked);
-  EXPECT_THAT(checked.error().message, HasSubstr("frame 1: frame payload holds a feature beyond 5"));
+  EXPECT_THAT(checked.error().message, HasSubstr("frame 1: payload: column ego holds a number beyond 5"));
 }
 
 TEST(ChunkVerifier, LooksAtOneFrameOfATrustedWritersChunks) {

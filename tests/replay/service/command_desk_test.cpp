@@ -22,10 +22,9 @@ class CommandDeskTest : public testing::Test {
     const ClusterConfig cluster = dds::LoopbackCluster();
     replay_.min_size = 100;
     replay_.state_interval_s = 3600.0;
-    table_ = ReplayTable::Open({.directory = folder_.path() / "replay" / "shard-0",
-                                .schema = SchemaHash(kTestSpec),
-                                .replay = replay_},
-                               clock_)
+    table_ = ReplayTable::Open(
+                 {.directory = folder_.path() / "replay" / "shard-0", .spec = kTestSpec, .replay = replay_},
+                 clock_)
                  .value();
     keeper_ = std::make_unique<Keeper>(replay_, 0, folder_.path(), *table_, clock_);
     replay_node_ = dds::MakeNode(cluster, dds::Role::kReplay);

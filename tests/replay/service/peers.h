@@ -80,8 +80,8 @@ class PeerLearner {
     request.learner = incarnation_;
     request.request = number;
     request.protocol = kProtocolVersion;
-    request.batch_size = batch_size;
-    request.n_step = static_cast<uint32_t>(n_step_);
+    request.trajectories = batch_size;
+    request.steps = static_cast<uint32_t>(n_step_);
     request.schema = SchemaHash(kTestSpec);
     return requests_->Write(request).has_value();
   }

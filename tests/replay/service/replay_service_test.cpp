@@ -22,11 +22,10 @@ TEST_F(ReplayServiceTest, StoresAcknowledgesAndServes) {
   AddChunks(50);
   ASSERT_TRUE(actor_->PumpUntilStored(50)) << replay_->Log();
   const auto reply = learner_->Fetch(32);
-  TransitionBatch batch(kTestSpec, 32);
-  FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
-  ASSERT_TRUE(DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, kTestBounds, codec, batch));
+  TrajectoryBatch batch(kTestSpec, {32});
+  ASSERT_TRUE(TrajectoryDecoder(kTestSpec, kTestBounds).Decode(reply.bytes, batch));
   EXPECT_EQ(reply.frames_inserted, 50u * kFrames);
-  for (size_t i = 0; i < 32; ++i) EXPECT_EQ(batch.observation.ego[i * 20 + 1], batch.reward[i]);
+  for (size_t i = 0; i < 32; ++i) EXPECT_EQ(EgoOf(batch.observations)[i * 20 + 1], batch.rewards[i]);
 }
 
 TEST_F(ReplayServiceTest, EveryAcknowledgedFrameIsThereOnceAfterKillNine) {

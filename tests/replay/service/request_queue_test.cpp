@@ -12,7 +12,7 @@ class RequestQueueTest : public testing::Test {
   // As the server does it.
   Verdict Arrive(uint64_t learner, uint64_t number, uint64_t oldest_open = 0) {
     const Verdict verdict = queue_.OnArrival({learner, number}, oldest_open);
-    if (verdict == Verdict::kNew) queue_.Push({.id = {learner, number}, .wanted = {.count = 16}});
+    if (verdict == Verdict::kNew) queue_.Push({.id = {learner, number}, .shape = {.count = 16}});
     return verdict;
   }
   std::vector<uint64_t> Waiting() {

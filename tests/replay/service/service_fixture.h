@@ -5,7 +5,8 @@
 
 #include <map>
 
-#include "proto/sample_batch.h"
+#include "proto/trajectory_codec.h"
+#include "tests/driving_columns.h"
 #include "tests/replay/service/peers.h"
 #include "tests/replay/service/replay_process.h"
 
@@ -48,16 +49,15 @@ class ReplayServiceTest : public testing::Test {
   // Draws all that is stored; how often each frame came, by its reward.
   std::map<float, int> DrawAll() {
     std::map<float, int> counts;
-    FrameCodec codec(kTestSpec, FloatCoding::kFloat32);
+    TrajectoryDecoder decoder(kTestSpec, kTestBounds);
     for (uint64_t left = actor_->stored() * kFrames; left > 0;) {
       const auto size = static_cast<uint32_t>(std::min<uint64_t>(left, 100));
       const auto reply = learner_->Fetch(size);
-      TransitionBatch batch(kTestSpec, static_cast<int>(size));
-      const Status decoded =
-          DecodeSampleBatch(reply.bytes, SchemaHash(kTestSpec), 0.9, kTestBounds, codec, batch);
+      TrajectoryBatch batch(kTestSpec, {static_cast<int>(size)});
+      const Status decoded = decoder.Decode(reply.bytes, batch);
       EXPECT_TRUE(decoded) << decoded.error().message;
       if (!decoded) break;
-      for (const float reward : batch.reward) ++counts[reward];
+      for (const float reward : batch.rewards) ++counts[reward];
       left -= size;
     }
     return counts;

@@ -49,7 +49,7 @@ class SlowDisk : public testing::Test {
     config_.algorithm.n_step = 1;
     config_.cluster.port = dds::FindFreePort().value();
     table_ = ReplayTable::Open({.directory = folder_.path(),
-                                .schema = SchemaHash(kTestSpec),
+                                .spec = kTestSpec,
                                 .replay = config_.replay,
                                 .force = disk_.Force()},
                                clock_)

@@ -1,5 +1,4 @@
-// From drawn items to the batch that is sent: n-step slices across chunk borders, read outside the table's
-// lock.
+// From drawn items to the trajectories that are sent: across chunk borders, read outside the table's lock.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "common/step/trajectory_batch.h"
 #include "common/util/result.h"
 #include "proto/experience.h"
-#include "proto/sample_batch.h"
-#include "proto/sequence_batch.h"
+#include "proto/trajectory_codec.h"
 #include "replay/storage/segment.h"
 
 namespace dadrl {
@@ -31,23 +30,18 @@ struct DrawnItems {
   std::vector<std::shared_ptr<const Segment>> segments;
 };
 
-// A batch, its memory and its hold. Movable; `items` stay valid.
+// Trajectories, their memory and their hold. Movable; what they borrow stays valid.
 struct SampledBatch {
-  std::vector<SampledItem> items;
-  std::vector<float> rewards;
+  std::vector<SampledTrajectory> trajectories;
+  std::vector<SampledStep> steps;
+  std::vector<std::span<const std::byte>> payloads;
   std::vector<std::shared_ptr<const Segment>> segments;
 };
 
-// Reads rewards, ends and payloads of `n_step` steps from each item on. kCorrupt: the stored bytes changed
-// since they were checked (a failing disk); nothing is read outside them.
-Result<SampledBatch> AssembleBatch(DrawnItems drawn, int n_step);
-
-// The same for sequences of up to `length` decisions, which end with their episode.
-struct SampledSequences {
-  std::vector<SampledSequence> sequences;
-  std::vector<std::shared_ptr<const Segment>> segments;
-};
-Result<SampledSequences> AssembleSequences(DrawnItems drawn, int length);
+// Reads up to `shape.steps` steps from each item on, fewer where the episode ends, and the payloads that the
+// shape asks for. kCorrupt: the stored bytes changed since they were checked (a failing disk); nothing is
+// read outside them.
+Result<SampledBatch> ReadTrajectories(DrawnItems drawn, const TrajectoryShape& shape);
 
 // After everything was read: kCorrupt when something of it could not be (ReplayTable::DropDamaged).
 Status CheckReadable(const std::vector<std::shared_ptr<const Segment>>& segments);
