@@ -93,7 +93,13 @@ Status CheckpointStore::Save(const Checkpoint& checkpoint) {
                       .networks = {}};
   for (const StoredNetwork& network : checkpoint.networks) policy.networks.push_back(network.view());
   DADRL_RETURN_IF_ERROR(SavePolicy(directory_ / policy_name, policy));
-  DADRL_RETURN_IF_ERROR(SaveCheckpoint(directory_ / CheckpointName(checkpoint.updates), checkpoint));
+  const Status saved = SaveCheckpoint(directory_ / CheckpointName(checkpoint.updates), checkpoint);
+  if (!saved) {
+    // Policies without a checkpoint would fill up what room is left, one with each attempt.
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / policy_name, ignored);
+    return saved;
+  }
   DADRL_RETURN_IF_ERROR(LinkAtomically(directory_ / "latest", policy_name));
   Prune(checkpoint.updates);
   return {};

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -53,9 +54,8 @@ void CheckpointWriter::Run() {
     if (saved) {
       spdlog::info("checkpoint at {} updates, weights version {}", snapshot_.updates,
                    snapshot_.weights_version);
-    } else {
-      spdlog::error("no checkpoint at {} updates: {}", snapshot_.updates, saved.error().message);
     }
+    ProcessFaults().Report(FaultKind::kCheckpoint, saved);
     MutexLock lock(mutex_);
     if (saved) {
       ++progress_.saved;

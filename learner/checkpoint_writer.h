@@ -23,7 +23,7 @@ class CheckpointWriter {
   // The snapshot to fill, or null while the one before is still being written: then try again later. Never
   // blocks.
   Checkpoint* Begin() DADRL_EXCLUDES(mutex_);
-  // Hands the filled snapshot over. A failure is logged, the next checkpoint is a new try.
+  // Hands the filled snapshot over. A failure is a fault of the process, the next checkpoint is a new try.
   void Submit() DADRL_EXCLUDES(mutex_);
   // Waits until nothing is under way; the outcome of the last save.
   Status Finish() DADRL_EXCLUDES(mutex_);

@@ -5,6 +5,7 @@
 
 #include "common/io/incarnation.h"
 #include "common/io/run_key.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "learner/algorithms/algorithm.h"
@@ -34,8 +35,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(folder));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, reserve.highest(), resume, *algorithm));
-  auto log = TrainingLog::Open(run_directory, progress.updates);
-  if (!log) return tl::unexpected<Error>(std::move(log.error()));
+  TrainingLog log(run_directory, progress.updates, ProcessFaults());
 
   SystemClock clock;
   TelemetryPublisher telemetry(config, *node);
@@ -47,7 +47,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
                                                                   incarnation, newest_version, {}));
   Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
   const Reporter reporter(config.telemetry,
-                          {trainer, checkpoints, telemetry, *log, [&fetcher] { return fetcher->stats(); }},
+                          {trainer, checkpoints, telemetry, log, [&fetcher] { return fetcher->stats(); }},
                           incarnation);
   DADRL_ASSIGN_OR_RETURN(const std::string why, trainer.Run(shutdown_requested));
   spdlog::info("training ended: {}", why);

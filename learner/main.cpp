@@ -6,6 +6,8 @@
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/liveness/stack_dump.h"
+#include "common/liveness/working_thread.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
@@ -41,6 +43,7 @@ int main(int argc, char** argv) {
   dadrl::InitLogging("learner");
   dadrl::InstallShutdownHandler();
   dadrl::InstallStackDump();
+  dadrl::ProcessFaults().Follow(dadrl::ReportFault);
   try {
     const dadrl::Status status = Learn(config_file, run_directory, resume);
     if (status) return 0;

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -95,6 +96,7 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status[Metric::kTemperature] = interval.mean.temperature;
   status[Metric::kEntropy] = interval.mean.entropy;
   status[Metric::kMeanQ] = interval.mean.mean_q;
+  status.faults = ProcessFaults().Current();
   status[Metric::kCheckpointAgeS] = ToSeconds(now - saved.saved_at.value_or(started_));
   return status;
 }

@@ -94,18 +94,25 @@ Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path&
   auto file = FileDescriptor::Open(path, O_WRONLY | O_CREAT | O_APPEND);
   if (!file) return tl::unexpected<Error>(std::move(file.error()));
   TensorBoardWriter writer(path, std::move(*file));
+  if (Status begun = writer.Begin(now_s, first_step); !begun) {
+    std::filesystem::remove(path, failed);  // TensorBoard shall not meet half a beginning
+    return tl::unexpected<Error>(std::move(begun.error()));
+  }
+  return writer;
+}
+
+Status TensorBoardWriter::Begin(double wall_time_s, int64_t first_step) {
   Message version;
-  version.Double(kEventWallTime, now_s);
+  version.Double(kEventWallTime, wall_time_s);
   version.Text(kEventFileVersion, "brain.Event:2");
-  DADRL_RETURN_IF_ERROR(writer.WriteRecord(version.bytes()));
+  DADRL_RETURN_IF_ERROR(WriteRecord(version.bytes()));
   Message session;
   session.Varint(kSessionLogStatus, kSessionStart);
   Message start;
-  start.Double(kEventWallTime, now_s);
+  start.Double(kEventWallTime, wall_time_s);
   start.Varint(kEventStep, static_cast<uint64_t>(first_step));
   start.Bytes(kEventSessionLog, session.bytes());
-  DADRL_RETURN_IF_ERROR(writer.WriteRecord(start.bytes()));
-  return writer;
+  return WriteRecord(start.bytes());
 }
 
 Status TensorBoardWriter::Add(int64_t step, double wall_time_s, std::span<const TaggedScalar> scalars) {

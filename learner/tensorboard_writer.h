@@ -37,6 +37,7 @@ class TensorBoardWriter {
  private:
   TensorBoardWriter(std::filesystem::path path, FileDescriptor file)
       : path_(std::move(path)), file_(std::move(file)) {}
+  Status Begin(double wall_time_s, int64_t first_step);
   Status WriteRecord(std::span<const std::byte> event);
 
   std::filesystem::path path_;

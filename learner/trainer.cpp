@@ -13,6 +13,10 @@ namespace {
 constexpr Duration kSlice = std::chrono::milliseconds(100);
 // What a disk may take for the last checkpoint before the process is taken to hang.
 constexpr Duration kSlowDisk = std::chrono::minutes(5);
+// Of the last checkpoint, on a disk that takes no writes: how long until the next attempt, and how many there
+// are once somebody waits for the end.
+constexpr Duration kSaveRetry = std::chrono::seconds(1);
+constexpr int kLastAttempts = 10;
 
 void AddTo(UpdateStats& sum, const UpdateStats& stats) {
   sum.critic_loss += stats.critic_loss;
@@ -174,10 +178,23 @@ Result<std::string> Trainer::Run(const std::atomic<bool>& stop) {
     auto step = RunStep(kSlice);
     if (!step) return tl::unexpected<Error>(std::move(step.error()));
   }
+  DADRL_RETURN_IF_ERROR(SaveAtEnd(stop));
+  return fmt::format("{} after {} updates", reason, updates_);
+}
+
+// What was trained since the last checkpoint is worth waiting for.
+Status Trainer::SaveAtEnd(const std::atomic<bool>& stop) {
   const LongWork last_checkpoint(kSlowDisk);
   const ScopedActivity saving(ledger_, Activity::kWaitForDisk);
-  DADRL_RETURN_IF_ERROR(SaveNow());
-  return fmt::format("{} after {} updates", reason, updates_);
+  DADRL_RETURN_IF_ERROR(RequireFinitePolicy());  // that will not pass
+  SystemClock sleeper;
+  Status saved = SaveNow();
+  for (int attempts = 1; !saved && attempts < kLastAttempts; attempts += stop.load() ? 1 : 0) {
+    sleeper.SleepFor(kSaveRetry);
+    Beat();
+    saved = SaveNow();
+  }
+  return saved;
 }
 
 double Trainer::TrainedSeconds() const {

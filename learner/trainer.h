@@ -66,7 +66,8 @@ class Trainer {
   Result<Step> RunStep(Duration timeout);
 
   // A WorkingThread: steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for
-  // it. Returns why it ended, as a sentence.
+  // it: on a disk that takes none until it does, or until ten seconds after `stop`. Returns why it ended, as
+  // a sentence.
   Result<std::string> Run(const std::atomic<bool>& stop);
 
   // Saves a checkpoint of now and waits until it is on disk.
@@ -82,6 +83,7 @@ class Trainer {
  private:
   TrajectoryBatch* WaitForBatch(Duration timeout);
   Status PublishIfDue();
+  Status SaveAtEnd(const std::atomic<bool>& stop);
   Status CheckpointIfDue();
   Status Publish();
   Result<bool> BeginCheckpoint();

@@ -1,12 +1,11 @@
 #include "learner/training_log.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "common/util/log.h"
 
 namespace dadrl {
 namespace {
@@ -66,20 +65,38 @@ constexpr std::array kColumns = {
 
 }  // namespace
 
-Result<TrainingLog> TrainingLog::Open(const std::filesystem::path& run_directory, uint64_t updates) {
+TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t updates, FaultBoard& faults)
+    : run_directory_(run_directory), first_step_(static_cast<int64_t>(updates)), faults_(faults) {
+  const Status table = OpenTable();
+  const Status events = OpenEvents();
+  faults_.Report(FaultKind::kTrainingLog, table ? events : table);
+}
+
+Status TrainingLog::OpenTable() {
+  if (csv_) return {};
   std::vector<std::string> names;
   for (const Column& column : kColumns) names.emplace_back(column.name);
-  auto csv = CsvLog::Open(run_directory / "logs" / "training.csv", names);
-  if (!csv) return tl::unexpected<Error>(std::move(csv.error()));
-  auto tensorboard = TensorBoardWriter::Create(run_directory / "tensorboard", static_cast<int64_t>(updates));
-  if (!tensorboard) return tl::unexpected<Error>(std::move(tensorboard.error()));
-  return TrainingLog(std::move(*csv), std::move(*tensorboard));
+  return CsvLog::Open(run_directory_ / "logs" / "training.csv", names).map([this](CsvLog&& csv) {
+    wall_time_s_ = std::max(wall_time_s_, csv.last_row_start());
+    csv_.emplace(std::move(csv));
+  });
+}
+
+Status TrainingLog::OpenEvents() {
+  if (tensorboard_) return {};
+  return TensorBoardWriter::Create(run_directory_ / "tensorboard", first_step_)
+      .map([this](TensorBoardWriter&& writer) { tensorboard_.emplace(std::move(writer)); });
 }
 
 void TrainingLog::Add(const TrainingInterval& interval, const LogContext& measured) {
   LogContext context = measured;
   if (context.wall_time_s <= wall_time_s_) context.wall_time_s = wall_time_s_ + context.interval_s;
   wall_time_s_ = context.wall_time_s;
+  faults_.Report(FaultKind::kTrainingLog, Write(interval, context));
+}
+
+// One that cannot be written does not keep the other from its row.
+Status TrainingLog::Write(const TrainingInterval& interval, const LogContext& context) {
   const Row row{interval, context};
   std::vector<double> values;
   std::vector<TaggedScalar> scalars;
@@ -87,12 +104,12 @@ void TrainingLog::Add(const TrainingInterval& interval, const LogContext& measur
     values.push_back(column.value(row));
     if (!column.tag.empty()) scalars.push_back({column.tag, values.back()});
   }
-  Status written = csv_.Append(values);
-  const Status events =
-      tensorboard_.Add(static_cast<int64_t>(interval.updates), context.wall_time_s, scalars);
-  if (written) written = events;
-  if (!written && !failing_) spdlog::error("training log: {}", written.error().message);
-  failing_ = !written;
+  Status table = OpenTable();
+  if (table) table = csv_->Append(values);
+  Status events = OpenEvents();
+  if (events)
+    events = tensorboard_->Add(static_cast<int64_t>(interval.updates), context.wall_time_s, scalars);
+  return table ? events : table;
 }
 
 }  // namespace dadrl

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
+#include "common/util/fault.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 #include "learner/csv_log.h"
@@ -21,22 +23,27 @@ struct LogContext {
   double work_fraction = 0.0;  // of the training thread's time in the interval
 };
 
-// Not thread safe. Its times never go back, also when the system's clock was set back. A write that fails is
-// logged once and tried again with the next row: a full disk does not stop a training.
+// Not thread safe. Its times never go back, also when the system's clock was set back. What cannot be opened
+// or written is a fault of `faults` and is tried again with the next row: no disk stops a training.
 class TrainingLog {
  public:
-  // Goes on behind what earlier learners of the run wrote; `updates`: where this one begins.
-  static Result<TrainingLog> Open(const std::filesystem::path& run_directory, uint64_t updates);
+  // Goes on behind what earlier learners of the run wrote; `updates`: where this one begins. Borrows
+  // `faults`.
+  TrainingLog(const std::filesystem::path& run_directory, uint64_t updates, FaultBoard& faults);
   void Add(const TrainingInterval& interval, const LogContext& context);
 
  private:
-  TrainingLog(CsvLog csv, TensorBoardWriter tensorboard)
-      : csv_(std::move(csv)), tensorboard_(std::move(tensorboard)), wall_time_s_(csv_.last_row_start()) {}
+  // What is not open yet.
+  Status OpenTable();
+  Status OpenEvents();
+  Status Write(const TrainingInterval& interval, const LogContext& context);
 
-  CsvLog csv_;
-  TensorBoardWriter tensorboard_;
+  const std::filesystem::path run_directory_;
+  const int64_t first_step_;
+  FaultBoard& faults_;
+  std::optional<CsvLog> csv_;
+  std::optional<TensorBoardWriter> tensorboard_;
   double wall_time_s_ = 0.0;  // of the last row, earlier sessions' included
-  bool failing_ = false;
 };
 
 }  // namespace dadrl

@@ -22,7 +22,7 @@ class VersionReserve {
   // Every version up to this one may be in use.
   uint32_t highest() const { return highest_; }
 
-  // To be called before `version` leaves the process. Blocks on the disk when a new
+  // To be called before `version` leaves the process; on an error it must not. Blocks on the disk when a new
   // block is needed; a full disk is no obstacle once the file is there (common/io/number_file.h).
   Status Use(uint32_t version);
 

@@ -2,6 +2,7 @@
 
 #include "common/io/checksum.h"
 #include "common/util/clock.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -55,11 +56,11 @@ void WeightPublisher::Run() {
 }
 
 void WeightPublisher::Send(const Pending& policy) {
-  // A version that cannot be reserved (disk full) is broadcast all the same: stale actors would be worse than
-  // a number that a crash might use twice.
+  // A version that cannot be reserved (a medium that takes no writes) stays here: after a crash the same
+  // number would stand for other weights, and actors would not take them. The next policy tries again.
   const Status reserved = reserve_.Use(policy.version);
-  if (!reserved)
-    spdlog::warn("weights version {} is not reserved: {}", policy.version, reserved.error().message);
+  ProcessFaults().Report(FaultKind::kWeights, reserved);
+  if (!reserved) return;
   const std::span<const std::byte> bytes = std::as_bytes(std::span(policy.parameters));
   dadrl_idl_Weights sample{};
   sample.version = policy.version;

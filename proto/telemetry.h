@@ -10,9 +10,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/dds/node.h"
+#include "common/util/fault.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
 
@@ -77,6 +79,10 @@ std::string_view MetricName(Metric metric);
 constexpr int kMaxActorNumber = 1'000'000;
 
 struct ProcessStatus {
+  // What one message has room for; more than so many faults at once, and longer texts, are cut.
+  static constexpr size_t kMaxFaults = 4;
+  static constexpr size_t kMaxFaultText = 191;
+
   dds::Role role = dds::Role::kActor;
   int index = 0;
   int pid = 0;
@@ -85,6 +91,7 @@ struct ProcessStatus {
   double uptime_s = 0.0;
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
   ActivityTotals activities;  // cumulative, of the process's main loop
+  std::vector<Fault> faults;  // that last now; printable ASCII, anything else is sent as '?'
 
   double& operator[](Metric metric) { return metrics[static_cast<size_t>(metric)]; }
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }

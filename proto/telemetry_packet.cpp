@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "common/util/utf8.h"
 #include "dadrl_lcm/episode_report.hpp"
@@ -17,6 +18,9 @@ namespace {
 constexpr int kMetrics = static_cast<int>(Metric::kCount);
 constexpr int kActivities = static_cast<int>(Activity::kCount);
 static_assert(kMetrics <= 64 && kActivities <= 16, "widen the arrays in telemetry.lcm");
+
+static_assert(ProcessStatus::kMaxFaults == std::extent_v<decltype(dadrl_lcm::process_status::fault_kind)> &&
+              ProcessStatus::kMaxFaultText + 1 == sizeof(dadrl_lcm::process_status::fault_text[0]));
 
 constexpr int kOutcomes = 4;
 
@@ -109,6 +113,38 @@ std::optional<std::string> TextOf(std::span<const uint8_t> bytes) {
   return text;
 }
 
+void PutFaults(const std::vector<Fault>& faults, dadrl_lcm::process_status& message) {
+  const size_t count = std::min(faults.size(), ProcessStatus::kMaxFaults);
+  message.fault_count = static_cast<int32_t>(count);
+  for (size_t i = 0; i < count; ++i) {
+    message.fault_kind[i] = static_cast<int32_t>(faults[i].kind);
+    message.fault_s[i] = faults[i].since_s;
+    std::string text(Utf8Prefix(faults[i].text, ProcessStatus::kMaxFaultText));
+    // A path may hold anything.
+    if (!IsPrintableUtf8(text)) {
+      std::ranges::replace_if(
+          text, [](char c) { return c < ' ' || c > '~'; }, '?');
+    }
+    std::ranges::copy(text, message.fault_text[i]);
+  }
+}
+
+// Nothing when one of them cannot be.
+std::optional<std::vector<Fault>> FaultsOf(const dadrl_lcm::process_status& message) {
+  if (message.fault_count < 0 || message.fault_count > static_cast<int32_t>(ProcessStatus::kMaxFaults)) {
+    return std::nullopt;
+  }
+  std::vector<Fault> faults(static_cast<size_t>(message.fault_count));
+  for (size_t i = 0; i < faults.size(); ++i) {
+    const int32_t kind = message.fault_kind[i];
+    const auto text = TextOf(message.fault_text[i]);
+    const bool lasts = std::isfinite(message.fault_s[i]) && message.fault_s[i] >= 0.0;
+    if (kind < 0 || kind >= static_cast<int32_t>(FaultKind::kCount) || !text || !lasts) return std::nullopt;
+    faults[i] = {static_cast<FaultKind>(kind), *text, message.fault_s[i]};
+  }
+  return faults;
+}
+
 }  // namespace
 
 std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
@@ -127,6 +163,7 @@ std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
     message.activity_s[i] = spent.seconds;
     message.activity_begun[i] = std::bit_cast<int64_t>(spent.count);
   }
+  PutFaults(status.faults, message);
   return Encode(message);
 }
 
@@ -161,6 +198,8 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
                 message.index);
   }
   if (!IsPossible(message)) return Fail(ErrorCode::kCorrupt, "status with a value out of range");
+  auto faults = FaultsOf(message);
+  if (!faults) return Fail(ErrorCode::kCorrupt, "status with a fault that cannot be");
   ProcessStatus status;
   status.role = static_cast<dds::Role>(message.role);
   status.index = message.index;
@@ -173,6 +212,7 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
     status.activities[static_cast<Activity>(i)] = {std::bit_cast<uint64_t>(message.activity_begun[i]),
                                                    message.activity_s[i]};
   }
+  status.faults = std::move(*faults);
   return status;
 }
 

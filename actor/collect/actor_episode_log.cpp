@@ -22,9 +22,17 @@ uint64_t LastEpisode(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<ActorEpisodeLog> ActorEpisodeLog::Open(const std::filesystem::path& path) {
-  DADRL_ASSIGN_OR_RETURN(RowFile table, RowFile::Open(path, kActorEpisodeColumns));
-  return ActorEpisodeLog(std::move(table), LastEpisode(path));
+ActorEpisodeLog ActorEpisodeLog::Open(const std::filesystem::path& path) {
+  ActorEpisodeLog log(path, LastEpisode(path));
+  static_cast<void>(log.OpenTable());  // the first row says what is wrong, if it still is
+  return log;
+}
+
+Status ActorEpisodeLog::OpenTable() {
+  if (table_) return {};
+  return RowFile::Open(path_, kActorEpisodeColumns).map([this](RowFile&& table) {
+    table_.emplace(std::move(table));
+  });
 }
 
 Status ActorEpisodeLog::Append(uint64_t incarnation, int64_t wall_time_ns, const CollectedEpisode& episode) {
@@ -35,7 +43,8 @@ Status ActorEpisodeLog::Append(uint64_t incarnation, int64_t wall_time_ns, const
                                  .policy_version = episode.policy_version,
                                  .summary = episode.summary});
   }
-  DADRL_RETURN_IF_ERROR(table_.Append(waiting_));
+  DADRL_RETURN_IF_ERROR(OpenTable());
+  DADRL_RETURN_IF_ERROR(table_->Append(waiting_));
   waiting_.clear();
   return {};
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,8 +18,9 @@ namespace dadrl {
 // next start.
 class ActorEpisodeLog {
  public:
-  // Creates the folder and the file, or goes on behind its last whole row.
-  static Result<ActorEpisodeLog> Open(const std::filesystem::path& path);
+  // Creates the folder and the file, or goes on behind its last whole row. Where that is not possible now,
+  // each Append tries again.
+  static ActorEpisodeLog Open(const std::filesystem::path& path);
 
   // The largest number of an episode that was there; 0: none. The next one has the next number.
   uint64_t last_episode() const { return last_episode_; }
@@ -27,10 +29,12 @@ class ActorEpisodeLog {
   Status Append(uint64_t incarnation, int64_t wall_time_ns, const CollectedEpisode& episode);
 
  private:
-  ActorEpisodeLog(RowFile table, uint64_t last_episode)
-      : table_(std::move(table)), last_episode_(last_episode) {}
+  ActorEpisodeLog(std::filesystem::path path, uint64_t last_episode)
+      : path_(std::move(path)), last_episode_(last_episode) {}
+  Status OpenTable();
 
-  RowFile table_;
+  std::filesystem::path path_;
+  std::optional<RowFile> table_;  // empty while it cannot be opened
   uint64_t last_episode_;
   std::string waiting_;  // rows that could not be written
 };

@@ -1,5 +1,6 @@
 #include "actor/collect/collect_command.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "common/liveness/working_thread.h"
 #include "common/model/acting_policy.h"
 #include "common/util/exit_code.h"
+#include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
 #include "proto/telemetry.h"
@@ -86,7 +88,6 @@ class Actor {
   std::unique_ptr<ExperienceWriter> writer_;
   std::unique_ptr<WeightsSubscriber> weights_;
   std::unique_ptr<ActorEpisodeLog> log_;
-  bool log_failed_ = false;
   std::unique_ptr<Collector> collector_;
   std::unique_ptr<StatusReporter> reporter_;
   Status address_;  // the reporter's thread writes it before it asks for the shutdown
@@ -128,10 +129,8 @@ Status Actor::TakeNumber() {
 
 Status Actor::Connect() {
   const Config& config = options_.config;
-  DADRL_ASSIGN_OR_RETURN(ActorEpisodeLog log,
-                         ActorEpisodeLog::Open(options_.run_directory / "logs" /
-                                               fmt::format("episodes-actor-{}.csv", options_.index)));
-  log_ = std::make_unique<ActorEpisodeLog>(std::move(log));
+  log_ = std::make_unique<ActorEpisodeLog>(ActorEpisodeLog::Open(
+      options_.run_directory / "logs" / fmt::format("episodes-actor-{}.csv", options_.index)));
   publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, identity_.number,
                                                            identity_.incarnation, lease_.get()));
@@ -187,11 +186,8 @@ void Actor::WaitForReplay() {
 void Actor::Record(const CollectedEpisode& episode) {
   const EpisodeReport report = ReportOf(episode, number(), identity_.incarnation);
   publisher_->Publish(report);
-  const Status appended = log_->Append(identity_.incarnation, report.sent_ns, episode);
-  const bool failed_before = std::exchange(log_failed_, !appended);
-  if (!appended && !failed_before) {
-    spdlog::error("episodes cannot be logged now, they follow later: {}", appended.error().message);
-  }
+  ProcessFaults().Report(FaultKind::kEpisodeLog,
+                         log_->Append(identity_.incarnation, report.sent_ns, episode));
 }
 
 // With a policy in use, a stranger's broadcast is only counted; without one, it means that this actor was
@@ -220,7 +216,9 @@ void Actor::FillStatus(ProcessStatus& status) const {
   set(Metric::kRefusedChunks, writer.refused);
   set(Metric::kPolicyVersion, progress.policy_version);
   if (progress.policy_version > 0) {
-    set(Metric::kPolicyAgeS, static_cast<double>(status.sent_ns - weights_->published_ns()) / 1e9);
+    // A wall clock that was set back must not make a policy come from the future.
+    const int64_t age_ns = std::max<int64_t>(0, status.sent_ns - weights_->published_ns());
+    set(Metric::kPolicyAgeS, static_cast<double>(age_ns) / 1e9);
   }
   status.activities = ledger_.Read();
 }

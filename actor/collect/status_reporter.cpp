@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -62,6 +63,7 @@ void StatusReporter::PublishStatus(TimePoint now) {
   status.incarnation = incarnation_;
   status.sent_ns = WallTimeNs();
   status.uptime_s = ToSeconds(now - started_);
+  status.faults = ProcessFaults().Current();
   source_.fill(status);
   publisher_.Publish(status);
 }

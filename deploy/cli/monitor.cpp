@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/io/link_file.h"
 #include "common/io/run_key.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/run_directory.h"
@@ -79,7 +80,7 @@ void PrintOnce(const Progress& progress, const Config& config, bool json) {
   if (json) {
     auto object = MonitorJson(progress.summary, progress.bottleneck);
     object["scenario"] = config.scenario;
-    object["faults"] = progress.faults;
+    object["troubles"] = progress.faults;
     fmt::print("{}\n", object.dump());
     return;
   }
@@ -89,7 +90,7 @@ void PrintOnce(const Progress& progress, const Config& config, bool json) {
 }
 
 Result<int> RunMonitor(const MonitorOptions& options) {
-  const RunPaths paths{.root = options.run_dir};
+  const RunPaths paths{.root = FollowLinks(options.run_dir)};
   if (!std::filesystem::exists(paths.config())) {
     return Fail(ErrorCode::kNotFound, "{} holds no run (no config.yaml): name one with --run-dir",
                 options.run_dir);

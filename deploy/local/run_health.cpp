@@ -35,7 +35,7 @@ void RunHealth::Step(const Supervisor& supervisor, bool training) {
     lost_.Skip(now);
     fault_.clear();
   }
-  if (supervision_ != before) Save();
+  if (supervision_ != before || save_failed_) Save();
 }
 
 void RunHealth::Sum(const Supervisor& supervisor, TimePoint now) {

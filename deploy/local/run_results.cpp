@@ -3,7 +3,6 @@
 #include <system_error>
 #include <utility>
 
-#include "common/io/atomic_file.h"
 #include "common/io/json_text.h"
 #include "common/io/read_file.h"
 #include "deploy/local/build_info.h"
@@ -33,7 +32,7 @@ Json EvaluationJson(const EvaluatedAt& at, const EvaluationReport& report) {
 }  // namespace
 
 RunResults RunResults::Load(const std::filesystem::path& path, const Config& config) {
-  RunResults results(path);
+  RunResults results;
   if (const auto text = ReadTextFile(path, kMaxBytes)) {
     results.json_ = ParseJson(*text, path.string()).value_or(Json());
     if (!results.json_.is_object()) {
@@ -83,8 +82,6 @@ void RunResults::SetLost(const LostTime& lost) {
   json_["lost_s"] = Json::object();
   for (const auto& [fault, s] : seconds) json_["lost_s"][fault] = s;
 }
-
-Status RunResults::Save() const { return WriteFileAtomically(path_, std::string_view(json_.dump(2) + "\n")); }
 
 std::string LastEvaluation(const std::filesystem::path& results) {
   const auto text = ReadTextFile(results, kMaxBytes);

@@ -39,13 +39,12 @@ class RunResults {
               const EpisodeLog& episodes);
   // What faults took in this session, added to the earlier ones.
   void SetLost(const LostTime& lost);
-  // Atomic; blocks on the disk.
-  Status Save() const;
+  // What results.json holds.
+  std::string Text() const { return json_.dump(2) + "\n"; }
 
  private:
-  explicit RunResults(std::filesystem::path path) : path_(std::move(path)) {}
+  RunResults() = default;
 
-  std::filesystem::path path_;
   double earlier_s_ = 0.0;
   std::map<std::string, double> earlier_lost_s_;  // by fault
   nlohmann::ordered_json json_;

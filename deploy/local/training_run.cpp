@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/dds/address.h"
+#include "common/io/atomic_file.h"
 #include "common/io/run_key.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/policy_selection.h"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kSaveInterval = std::chrono::seconds(10);
+constexpr Duration kFaultInterval = std::chrono::milliseconds(500);
 // The learner stops by itself when `minutes` are over; this much later it is stopped.
 constexpr double kOverrun_s = 30.0;
 
@@ -29,6 +31,9 @@ TrainingRun::TrainingRun(const RunPaths& paths, const Config& config, bool resum
                   [this](const std::string& text) { display_.Message(text); }),
       health_(paths.processes(), clock_, [this](const std::string& text) { display_.Message(text); }),
       results_(RunResults::Load(paths.results(), config)),
+      results_writer_([file = paths.results()](const std::string& text) {
+        return WriteFileAtomically(file, std::string_view(text));
+      }),
       evaluator_(paths, config, [this](const std::string& text) { display_.Message(text); }) {}
 
 Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, const Config& config,
@@ -52,6 +57,21 @@ Status TrainingRun::OpenTelemetry() {
     display_.Message("training without a progress display: " + monitor.error().message);
   }
   return {};
+}
+
+ClusterSummary TrainingRun::Summarize() const {
+  ClusterSummary summary = monitor_ ? monitor_->Summarize() : ClusterSummary{};
+  for (Fault& fault : faults_.Current()) summary.faults.push_back({"launcher", std::move(fault)});
+  return summary;
+}
+
+void TrainingRun::FollowFaults() {
+  if (clock_.Now() < next_look_) return;
+  next_look_ = clock_.Now() + kFaultInterval;
+  faults_.Report(FaultKind::kResults, results_writer_.last());
+  for (const std::string& line : fault_history_.Update(Summarize().faults, clock_.Now())) {
+    display_.Message(line);
+  }
 }
 
 Status TrainingRun::StartCluster() {
@@ -82,6 +102,7 @@ Result<RunOutcome> TrainingRun::Run() {
     ReapAdopted(ChildPids());
     HandleSignals();
     health_.Step(supervisor_, phase_ == Phase::kTraining);
+    FollowFaults();
     Advance();
     if (phase_ != Phase::kDone && display_.Due()) display_.Show(MakeProgress());
   }

@@ -8,8 +8,11 @@
 
 #include "common/config/config.h"
 #include "common/util/clock.h"
+#include "common/util/fault.h"
 #include "common/util/result.h"
+#include "deploy/local/background_writer.h"
 #include "deploy/local/episode_log.h"
+#include "deploy/local/fault_history.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_health.h"
 #include "deploy/local/run_results.h"
@@ -67,6 +70,10 @@ class TrainingRun {
   // Faults took so much of its time that it did not do its work.
   bool HeldUp() const;
 
+  // The cluster as telemetry shows it, with the launcher's own faults.
+  ClusterSummary Summarize() const;
+  // Says what began or is over.
+  void FollowFaults();
   Progress MakeProgress() const;
   std::string PhaseText(const ClusterSummary& summary) const;
   void SaveResults(const char* state);
@@ -81,12 +88,14 @@ class TrainingRun {
   SystemClock clock_;
   Supervisor supervisor_;
   RunHealth health_;
-  std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
-  std::optional<EpisodeLog> episodes_;       // there after Create
-  bool episodes_failing_ = false;            // the last update could not be written
-  uint64_t earlier_episodes_ = 0;            // of earlier sessions
+  std::unique_ptr<ClusterMonitor> monitor_;                // empty without telemetry
+  std::optional<EpisodeLog> episodes_;                     // there after Create
+  FaultBoard faults_{clock_, FaultBoard::Log::kIsSilent};  // the launcher's own; the display speaks of them
+  FaultHistory fault_history_;
+  uint64_t earlier_episodes_ = 0;  // of earlier sessions
   uint64_t earlier_env_steps_ = 0;
   RunResults results_;
+  BackgroundWriter results_writer_;
   TrainingEvaluator evaluator_;
   EvaluatedAt evaluated_at_;  // of the evaluation under way
   std::string last_evaluation_;
@@ -98,6 +107,7 @@ class TrainingRun {
   TimePoint next_evaluation_{};
   TimePoint next_save_{};
   TimePoint next_episodes_{};
+  TimePoint next_look_{};  // at the faults
   bool stop_handled_ = false;
 };
 

@@ -39,10 +39,17 @@ void TrainingRun::EndRun(RunOutcome outcome) {
   outcome_ = drained && HeldUp() ? RunOutcome::kHeldUp : outcome;
   phase_ = Phase::kDone;
   evaluator_.Cancel();
+  if (const std::string faults = fault_history_.Summary(); !faults.empty()) {
+    display_.Message("faults of this session: " + faults);
+  }
   if (const std::string lost = health_.lost().Sentence(FromSeconds(trained_s_)); !lost.empty()) {
     display_.Message(outcome_ == RunOutcome::kHeldUp ? lost + "; the training has not done its work" : lost);
   }
   SaveResults(StateName(outcome_));
+  if (const Status saved = results_writer_.Finish(); !saved) {
+    display_.Message(saved.error().message);
+    outcome_ = RunOutcome::kFailed;
+  }
 }
 
 void TrainingRun::SaveResults(const char* state) {
@@ -50,15 +57,12 @@ void TrainingRun::SaveResults(const char* state) {
   results_.Update(state, phase_ == Phase::kTraining ? SessionSeconds() : trained_s_,
                   LastOfTraining(paths_.training()), *episodes_);
   results_.SetLost(health_.lost());
-  const Status saved = results_.Save();
-  if (!saved) display_.Message(saved.error().message);
+  results_writer_.Write(results_.Text());
 }
 
 void TrainingRun::UpdateEpisodes() {
   next_episodes_ = clock_.Now() + kEpisodesInterval;
-  const Status written = episodes_->Update();
-  const bool failed_before = std::exchange(episodes_failing_, !written);
-  if (!written && !failed_before) display_.Message(written.error().message);
+  faults_.Report(FaultKind::kEpisodeLog, episodes_->Update());
 }
 
 double TrainingRun::SessionSeconds() const { return ToSeconds(clock_.Now() - started_); }
@@ -87,7 +91,7 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
 
 Progress TrainingRun::MakeProgress() const {
   Progress progress;
-  if (monitor_) progress.summary = monitor_->Summarize();
+  progress.summary = Summarize();
   progress.summary.episodes += static_cast<double>(earlier_episodes_);
   progress.summary.env_steps += static_cast<double>(earlier_env_steps_);
   progress.title = fmt::format("dadrl train {}  ({})", config_.scenario, paths_.root.string());

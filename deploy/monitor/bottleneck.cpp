@@ -81,6 +81,11 @@ std::string Thousands(double value) {
 }
 
 std::string DescribeBottleneck(const ClusterSummary& summary, const Config& config) {
+  // Those that hold up training stand first.
+  if (!summary.faults.empty() && HoldsUpTraining(summary.faults.front().fault.kind)) {
+    const ProcessFault& first = summary.faults.front();
+    return fmt::format("{}: {}", first.process, first.fault.text);
+  }
   if (std::string silent = SilentRole(summary); !silent.empty()) return silent;
   const auto min_size = static_cast<double>(config.replay.min_size);
   if (summary.replay_frames < min_size && summary.updates_per_s == 0.0) {

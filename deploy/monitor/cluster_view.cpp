@@ -83,6 +83,11 @@ void AppendWaits(const ProcessRow& row, std::vector<Wait>& waits) {
   }
 }
 
+void AppendFaults(const ProcessRow& row, std::vector<ProcessFault>& faults) {
+  if (row.stale) return;
+  for (const Fault& fault : row.faults) faults.push_back({row.name, fault});
+}
+
 void AddLearner(const ProcessRow& row, ClusterSummary& summary) {
   summary.updates = row[Metric::kUpdates];
   summary.weights_version = row[Metric::kWeightsVersion];
@@ -215,6 +220,7 @@ ProcessRow ClusterView::Row(const Key& key, const Process& process, TimePoint no
   row.share = Shares(process.history.size() > 1 ? process.history.front().activities : ActivityTotals{},
                      last.activities);
   row.activities = last.activities;
+  row.faults = last.faults;
   return row;
 }
 
@@ -251,6 +257,7 @@ ClusterSummary ClusterView::Summarize(TimePoint now) const {
     const ProcessRow& row = summary.processes.emplace_back(Row(entry.first, entry.second, now));
     Accumulate(row, entry.second, now, summary);
     AppendWaits(row, summary.waits);
+    AppendFaults(row, summary.faults);
   }
   std::stable_sort(
       summary.processes.begin(), summary.processes.end(), [](const ProcessRow& a, const ProcessRow& b) {
@@ -258,6 +265,8 @@ ClusterSummary ClusterView::Summarize(TimePoint now) const {
       });
   std::stable_sort(summary.waits.begin(), summary.waits.end(),
                    [](const Wait& a, const Wait& b) { return a.fraction > b.fraction; });
+  std::stable_partition(summary.faults.begin(), summary.faults.end(),
+                        [](const ProcessFault& fault) { return HoldsUpTraining(fault.fault.kind); });
   summary.env_steps = Total(dds::Role::kActor, Metric::kEnvSteps);
   summary.episodes = Total(dds::Role::kActor, Metric::kEpisodes);
   for (const RejectionKind& kind : kRejectionKinds) {

@@ -23,6 +23,13 @@ struct Wait {
   TimeSpent spent;        // since the process started
 };
 
+// A fault of a process, as it says itself.
+struct ProcessFault {
+  std::string process;  // "replay-0"
+  Fault fault;
+  bool operator==(const ProcessFault&) const = default;
+};
+
 struct MeanMax {
   double mean = 0.0;
   double max = 0.0;
@@ -46,6 +53,7 @@ struct ProcessRow {
   std::array<double, ActivityTotals::kSize> share{};  // of its time, by Activity, over the window
   ActivityTotals activities;                          // since it started
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
+  std::vector<Fault> faults;
 
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
   double Share(Activity activity) const { return share[static_cast<size_t>(activity)]; }
@@ -79,6 +87,7 @@ struct ClusterSummary {
   // What was refused or dropped since the view began, by kind ("garbage", "duplicate chunks"); only what
   // happened.
   std::map<std::string, double> rejected;
+  std::vector<ProcessFault> faults;  // that last now, those that hold up training first
   double critic_loss = 0.0;
   double actor_loss = 0.0;
   double temperature = 0.0;

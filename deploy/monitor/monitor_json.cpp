@@ -39,6 +39,17 @@ Json ProcessJson(const ProcessRow& row) {
           {"metrics", metrics}};
 }
 
+Json FaultsJson(const std::vector<ProcessFault>& faults) {
+  Json rows = Json::array();
+  for (const ProcessFault& fault : faults) {
+    rows.push_back({{"process", fault.process},
+                    {"kind", FaultName(fault.fault.kind)},
+                    {"text", fault.fault.text},
+                    {"since_s", Finite(fault.fault.since_s)}});
+  }
+  return rows;
+}
+
 Json ScenariosJson(const std::map<std::string, RecentRate>& scenarios) {
   Json json = Json::object();
   for (const auto& [name, rate] : scenarios) {
@@ -76,6 +87,7 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"staleness_s", MeanMaxJson(summary.staleness_s)},
           {"waits", waits},
           {"rejected", summary.rejected},
+          {"faults", FaultsJson(summary.faults)},
           {"bottleneck", bottleneck},
           {"losses",
            {{"critic", Finite(summary.critic_loss)},

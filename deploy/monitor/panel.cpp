@@ -65,7 +65,26 @@ struct Lines {
   }
 };
 
-void AddFaults(const std::vector<std::string>& faults, Lines& lines) {
+// "replay-0 for 0:35: cannot write ...; actors keep their experience until it can be stored"
+std::string FaultText(const ProcessFault& fault) {
+  return fmt::format("{} for {}: {}; {}", fault.process, FormatTime(fault.fault.since_s), fault.fault.text,
+                     FaultMeaning(fault.fault.kind));
+}
+
+// What holds up a process reaches the launcher twice, by its page of memory and by telemetry: cut short, and
+// whole.
+bool IsToldWhole(const std::string& trouble, const std::vector<ProcessFault>& faults) {
+  return std::ranges::any_of(faults, [&](const ProcessFault& fault) {
+    return fmt::format("{}: {}", fault.process, fault.fault.text).starts_with(trouble);
+  });
+}
+
+void AddFaults(const Progress& progress, Lines& lines) {
+  std::vector<std::string> faults;
+  for (const std::string& trouble : progress.faults) {
+    if (!IsToldWhole(trouble, progress.summary.faults)) faults.push_back(trouble);
+  }
+  for (const ProcessFault& fault : progress.summary.faults) faults.push_back(FaultText(fault));
   constexpr size_t kMost = 3;
   for (size_t i = 0; i < std::min(faults.size(), kMost); ++i) lines.Add(1, "  fault       " + faults[i]);
   if (faults.size() > kMost) {
@@ -99,7 +118,7 @@ Lines PanelLines(const Progress& progress) {
   Lines lines;
   lines.Add(8, progress.title);
   lines.Add(0, fmt::format("  time        {}  {}", Time(progress), progress.phase));
-  AddFaults(progress.faults, lines);
+  AddFaults(progress, lines);
   lines.Add(5, fmt::format("  actors      {} alive, {:.0f} env steps/s, {} steps, {} episodes",
                            s.actors_alive, s.env_steps_per_s, Thousands(s.env_steps), Thousands(s.episodes)));
   AddReplay(s, lines);
@@ -136,12 +155,20 @@ std::vector<std::string> RenderPanel(const Progress& progress, TerminalSize size
 
 std::string RenderLine(const Progress& progress, size_t columns) {
   const ClusterSummary& s = progress.summary;
-  return ShortenColumns(fmt::format("[{}] {} | {} updates, {:.1f}/s | {:.0f} env steps/s | last {}: success "
-                                    "{:.0f} %, collision {:.0f} % | {}",
-                                    Time(progress), progress.phase, Thousands(s.updates), s.updates_per_s,
-                                    s.env_steps_per_s, s.recent_episodes, 100.0 * s.recent_success,
-                                    100.0 * s.recent_collision, progress.bottleneck),
-                        columns);
+  // In front, and short: the messages between these lines tell more.
+  std::string faults;
+  for (const ProcessFault& fault : s.faults) {
+    faults += fmt::format("{}{} {}", faults.empty() ? "faults: " : ", ", fault.process,
+                          FaultName(fault.fault.kind));
+  }
+  if (!faults.empty()) faults += " | ";
+  return ShortenColumns(
+      fmt::format("[{}] {}{} | {} updates, {:.1f}/s | {:.0f} env steps/s | last {}: success "
+                  "{:.0f} %, collision {:.0f} % | {}",
+                  Time(progress), faults, progress.phase, Thousands(s.updates), s.updates_per_s,
+                  s.env_steps_per_s, s.recent_episodes, 100.0 * s.recent_success, 100.0 * s.recent_collision,
+                  progress.bottleneck),
+      columns);
 }
 
 }  // namespace dadrl

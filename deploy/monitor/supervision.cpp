@@ -93,7 +93,9 @@ Result<Supervision> ParseSupervision(const std::string& text) {
   return supervision;
 }
 
-Status SaveSupervision(const std::filesystem::path& path, const Supervision& supervision) {
+namespace {
+
+Status Replace(const std::filesystem::path& path, const Supervision& supervision) {
   const std::filesystem::path beside = path.string() + ".new";
   DADRL_ASSIGN_OR_RETURN(const FileDescriptor file, FileDescriptor::Open(beside, O_WRONLY | O_CREAT));
   if (ftruncate(file.get(), 0) != 0) return tl::unexpected(IoError("empty", beside, errno));
@@ -103,6 +105,15 @@ Status SaveSupervision(const std::filesystem::path& path, const Supervision& sup
   std::filesystem::rename(beside, path, error);
   if (error) return tl::unexpected(IoError("replace", path, error.value()));
   return {};
+}
+
+}  // namespace
+
+Status SaveSupervision(const std::filesystem::path& path, const Supervision& supervision) {
+  Status saved = Replace(path, supervision);
+  std::error_code ignored;
+  if (!saved) std::filesystem::remove(path, ignored);
+  return saved;
 }
 
 Result<Supervision> LoadSupervision(const std::filesystem::path& file) {

@@ -45,7 +45,7 @@ std::string SupervisionJson(const Supervision& supervision);
 Result<Supervision> ParseSupervision(const std::string& text);
 
 // Replaces the file at once, without waiting for the device: what it says is true only while the launcher
-// runs.
+// runs. After an error there is none, where possible: an old one would name processes that are gone.
 Status SaveSupervision(const std::filesystem::path& file, const Supervision& supervision);
 Result<Supervision> LoadSupervision(const std::filesystem::path& file);
 

@@ -172,6 +172,7 @@ void ReplayService::PublishStatus() {
   TimeSpent& for_disk = status.activities[Activity::kWaitForDisk];
   for_disk.count += table.for_disk.count;
   for_disk.seconds += table.for_disk.seconds;
+  status.faults = ProcessFaults().Current();
   telemetry_->Publish(status);
 }
 

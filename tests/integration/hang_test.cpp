@@ -66,7 +66,7 @@ TEST_F(HangingCluster, WhoeverIsStoppedIsFoundKilledAndRestartedAndTheRunGoesOn)
     kill(victim, SIGSTOP);
     // A monitor that is started now sees who hangs.
     EXPECT_TRUE(cluster_->MonitorUntil([&](const json& monitor) {
-      return !TroubleOf(monitor, name).empty() && !monitor["faults"].empty();
+      return !TroubleOf(monitor, name).empty() && !monitor["troubles"].empty();
     })) << name
         << cluster_->Said();
     const auto after = cluster_->MonitorUntil([&](const json& monitor) {
@@ -90,7 +90,7 @@ TEST_F(HangingCluster, CtrlZStopsItAllAndGoingOnLosesNobody) {
   for (const pid_t pid : pids) EXPECT_TRUE(Eventually([&] { return IsStopped(pid); })) << pid;
   const auto stopped = cluster_->Monitor();
   ASSERT_TRUE(stopped);
-  EXPECT_THAT((*stopped)["faults"].dump(), HasSubstr("launcher: stopped by a signal"));
+  EXPECT_THAT((*stopped)["troubles"].dump(), HasSubstr("launcher: stopped by a signal"));
   // Longer than the limit after which one of them alone would be taken to hang.
   SystemClock().SleepFor(std::chrono::seconds(4));
   kill(-launcher, SIGCONT);
@@ -121,7 +121,7 @@ TEST_F(HangingCluster, AStoppedLauncherLeavesItsProcessesWorkingAndShows) {
   const auto after = cluster_->MonitorUntil(TrainsBeyond(*before_));
   kill(launcher, SIGCONT);
   ASSERT_TRUE(after) << cluster_->Said();
-  EXPECT_THAT((*after)["faults"].dump(), HasSubstr("nothing is supervised until kill -CONT"));
+  EXPECT_THAT((*after)["troubles"].dump(), HasSubstr("nothing is supervised until kill -CONT"));
 }
 
 }  // namespace

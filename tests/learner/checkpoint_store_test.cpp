@@ -12,6 +12,7 @@
 #include "common/io/atomic_file.h"
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
+#include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/fake_algorithm.h"
 
@@ -62,6 +63,25 @@ TEST_F(CheckpointStoreTest, KeepsTheNewestWithTheirPoliciesAndALinkToTheLast) {
   ASSERT_TRUE(policy) << policy.error().message;
   EXPECT_EQ(policy->updates, 30u);
   EXPECT_EQ(policy->policy_version, 3u);
+}
+
+TEST_F(CheckpointStoreTest, AFullDiskKeepsTheLastCheckpointAndIsNotFilledUpWithAttempts) {
+  const SmallDisk disk(folder_.path() / "disk", "256k");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  CheckpointStore store = CheckpointStore::Open(disk.path(), {.checkpoints = 2, .policies = 2}).value();
+  ASSERT_TRUE(store.Save(CheckpointAt(10)));
+  // Room for a policy, not for the checkpoint that belongs to it.
+  const uint64_t before = std::filesystem::space(disk.path()).free;
+  for (uint64_t updates = 20; updates < 100; updates += 10) {
+    const Status saved = store.Save(CheckpointAt(updates, 16000));
+    ASSERT_FALSE(saved);
+    EXPECT_EQ(saved.error().code, ErrorCode::kExhausted);
+  }
+  EXPECT_EQ(std::filesystem::space(disk.path()).free, before);
+  EXPECT_EQ(store.LoadNewest().value()->checkpoint.updates, 10u);
+  EXPECT_EQ(LoadPolicy(disk.path() / "latest")->updates, 10u);
+  ASSERT_TRUE(store.Save(CheckpointAt(100)));
+  EXPECT_EQ(store.LoadNewest().value()->checkpoint.updates, 100u);
 }
 
 TEST_F(CheckpointStoreTest, KeepsMorePoliciesThanCheckpoints) {

@@ -14,6 +14,7 @@
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
 #include "learner/checkpoint_store.h"
+#include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/cluster_fixture.h"
 #include "tests/paths.h"
@@ -175,6 +176,48 @@ TEST_F(LearnerProcessTest, TerminatedWhileItWaitsForAReplayLeavesAtOnce) {
   const auto learner = Start();
   ASSERT_TRUE(Eventually([&] { return std::filesystem::exists(folder_.path() / "run" / "tensorboard"); },
                          std::chrono::seconds(60)));
+  learner->Signal(SIGTERM);
+  EXPECT_EQ(learner->Wait(), 0) << Log();
+}
+
+TEST_F(LearnerProcessTest, OnADiskThatIsFullFromItsStartOnItTrainsAndItsLastCheckpointWaitsForRoom) {
+  const SmallDisk disk(folder_.path() / "run", "8m");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  disk.Fill();
+  config_.learner.max_updates = 30;
+  StartShard();
+  const auto learner = Start();
+  ASSERT_TRUE(Eventually([&] { return Log().find("the last checkpoint") != std::string::npos; },
+                         std::chrono::seconds(60)))
+      << Log();
+  EXPECT_THAT(Log(), HasSubstr("training goes on without its curves"));
+  EXPECT_THAT(Log(), HasSubstr("actors go on with the policy they have")) << "no version was reserved";
+  EXPECT_EQ(newest_, 0u);
+  disk.Free();
+  EXPECT_EQ(learner->Wait(), 0) << Log();
+  EXPECT_EQ(LoadPolicy(Checkpoints() / "latest")->updates, 30u);
+}
+
+TEST_F(LearnerProcessTest, KilledOnAFullDiskItGoesOnFromItsCheckpointAndUsesNoVersionTwice) {
+  const SmallDisk disk(folder_.path() / "run", "32m");  // room for several checkpoints of 5 MB
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  StartShard();
+  {
+    const auto learner = Start();
+    ASSERT_TRUE(Eventually([&] { return std::filesystem::exists(Checkpoints() / "latest"); },
+                           std::chrono::seconds(60)))
+        << Log();
+    disk.Fill();
+    const uint32_t before = newest_;
+    // Beyond what was reserved in advance.
+    ASSERT_TRUE(Eventually([&] { return newest_ > before + 40; }, std::chrono::seconds(60))) << Log();
+  }
+  const uint32_t before = newest_;
+  const auto learner = Start(true);
+  ASSERT_TRUE(Eventually([&] { return newest_ > before + 5; }, std::chrono::seconds(60))) << Log();
+  EXPECT_FALSE(went_back_);
+  EXPECT_THAT(Log(), HasSubstr("resumed"));
+  disk.Free();
   learner->Signal(SIGTERM);
   EXPECT_EQ(learner->Wait(), 0) << Log();
 }

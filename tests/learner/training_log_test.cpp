@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <initializer_list>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "common/io/byte_io.h"
 #include "common/io/crc32c.h"
 #include "common/io/read_file.h"
+#include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
@@ -206,17 +208,22 @@ TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
   EXPECT_EQ(ReadTextFile(folder.path() / "table.csv.old", kNoLimit).value(), "a\n1\n");
 }
 
+FaultBoard& Faults() {
+  static const SystemClock clock;
+  static FaultBoard board(clock);
+  return board;
+}
+
 TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   TemporaryFolder folder;
-  auto log = TrainingLog::Open(folder.path(), 25);
-  ASSERT_TRUE(log) << log.error().message;
+  TrainingLog log(folder.path(), 25, Faults());
   TrainingInterval interval;
   interval.updates = 50;
   interval.interval_updates = 25;
   interval.mean.critic_loss = 0.125;
-  log->Add(interval, {.wall_time_s = 10.0, .interval_s = 0.5, .batch_bytes = 2e6, .replay_frames = 3000});
+  log.Add(interval, {.wall_time_s = 10.0, .interval_s = 0.5, .batch_bytes = 2e6, .replay_frames = 3000});
   interval.interval_updates = 0;
-  log->Add(interval, {.wall_time_s = 10.5, .interval_s = 0.5});
+  log.Add(interval, {.wall_time_s = 10.5, .interval_s = 0.5});
 
   const std::string table = ReadTextFile(folder.path() / "logs" / "training.csv", kNoLimit).value();
   EXPECT_THAT(table, HasSubstr("wall_time_s,trained_s,updates,updates_per_s,critic_loss,"));
@@ -232,15 +239,16 @@ TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
 
 TEST(TrainingLog, StepsThatAKilledLearnerHadDoneAfterItsCheckpointAreShownOnce) {
   TemporaryFolder folder;
-  const auto log_to = [&](Result<TrainingLog> log, std::initializer_list<uint64_t> steps) {
+  const auto log_to = [&](uint64_t first, std::initializer_list<uint64_t> steps) {
+    TrainingLog log(folder.path(), first, Faults());
     for (const uint64_t step : steps) {
       TrainingInterval interval;
       interval.updates = step;
-      log->Add(interval, {.wall_time_s = 1.0, .interval_s = 0.5});
+      log.Add(interval, {.wall_time_s = 1.0, .interval_s = 0.5});
     }
   };
-  log_to(TrainingLog::Open(folder.path(), 0), {10, 20, 30, 40});
-  log_to(TrainingLog::Open(folder.path(), 25), {28, 35, 45});  // its checkpoint was that of update 25
+  log_to(0, {10, 20, 30, 40});
+  log_to(25, {28, 35, 45});  // its checkpoint was that of update 25
   EXPECT_EQ(ShownSteps(ReadFolder(folder.path() / "tensorboard")),
             (std::vector<int64_t>{10, 20, 28, 35, 45}));
 }
@@ -251,18 +259,56 @@ TEST(TrainingLog, ItsTimesNeverGoBackWhenTheClockDoes) {
     log.Add(TrainingInterval{}, {.wall_time_s = wall_time_s, .interval_s = 0.5});
   };
   {
-    auto log = TrainingLog::Open(folder.path(), 0);
-    add(*log, 1795812345.125);
-    add(*log, 1795800000.0);
+    TrainingLog log(folder.path(), 0, Faults());
+    add(log, 1795812345.125);
+    add(log, 1795800000.0);
   }
-  auto resumed = TrainingLog::Open(folder.path(), 0);
-  add(*resumed, 1795800000.5);
-  add(*resumed, 1795812400.0);
+  TrainingLog resumed(folder.path(), 0, Faults());
+  add(resumed, 1795800000.5);
+  add(resumed, 1795812400.0);
   std::ifstream table(folder.path() / "logs" / "training.csv");
   std::vector<std::string> times;
   for (std::string row; std::getline(table, row);) times.push_back(row.substr(0, row.find(',')));
   EXPECT_EQ(times, (std::vector<std::string>{"wall_time_s", "1795812345.125", "1795812345.625",
                                              "1795812346.125", "1795812400"}));
+}
+
+// Rows that are whole, and events that an independent reader takes.
+size_t WholeRows(const std::filesystem::path& run) {
+  const auto table = ReadTextFile(run / "logs" / "training.csv", kNoLimit);
+  return table && table->ends_with('\n') ? static_cast<size_t>(std::ranges::count(*table, '\n')) - 1 : 0;
+}
+
+TEST(TrainingLog, AFullDiskCostsRowsFromItsStartOnAndNothingHalfWrittenStays) {
+  TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "run", "256k");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  disk.Fill();
+  ManualClock clock;
+  FaultBoard faults(clock);
+  TrainingLog log(disk.path(), 0, faults);
+  TrainingInterval interval;
+  const auto add = [&] {
+    ++interval.updates;
+    log.Add(interval, {.wall_time_s = static_cast<double>(interval.updates), .interval_s = 1.0});
+  };
+  add();
+  ASSERT_TRUE(faults.Lasts(FaultKind::kTrainingLog));
+  EXPECT_THAT(faults.Current().front().text, HasSubstr("free some disk space"));
+  disk.Free();
+  add();
+  EXPECT_FALSE(faults.Lasts(FaultKind::kTrainingLog)) << "there is room again";
+  disk.Fill();
+  // What is left of the last block takes some.
+  for (int i = 0; i < 1000 && !faults.Lasts(FaultKind::kTrainingLog); ++i) add();
+  ASSERT_TRUE(faults.Lasts(FaultKind::kTrainingLog));
+  disk.Free();
+  const size_t rows = WholeRows(disk.path());
+  const size_t steps = ShownSteps(ReadFolder(disk.path() / "tensorboard")).size();
+  add();
+  EXPECT_FALSE(faults.Lasts(FaultKind::kTrainingLog));
+  EXPECT_EQ(WholeRows(disk.path()), rows + 1);
+  EXPECT_EQ(ShownSteps(ReadFolder(disk.path() / "tensorboard")).size(), steps + 1);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(VersionReserve, AProcessThatIsKilledNeverUsesAVersionTwice) {
   }
 }
 
-TEST(VersionReserve, AFullDiskKeepsTheNumbersApart) {
+TEST(VersionReserve, AFullDiskKeepsTheNumbersApartOneThatTakesNoWritesKeepsThemIn) {
   TemporaryFolder folder;
   const SmallDisk disk(folder.path() / "disk", "64k");
   ASSERT_TRUE(disk.mounted()) << disk.why();
@@ -37,6 +37,9 @@ TEST(VersionReserve, AFullDiskKeepsTheNumbersApart) {
     ASSERT_TRUE(reserve.Use(version));
     ASSERT_GE(VersionReserve::Open(disk.path())->highest(), version) << "a killed learner would use it again";
   }
+  ASSERT_TRUE(disk.MakeReadOnly());
+  EXPECT_TRUE(reserve.Use(reserve.highest())) << "it is reserved";
+  EXPECT_FALSE(reserve.Use(reserve.highest() + 1));
 }
 
 TEST(VersionReserve, GarbageIsCorruptWithTheRemedy) {

@@ -25,6 +25,8 @@ ProcessStatus SomeStatus() {
   for (size_t i = 0; i < ActivityTotals::kSize; ++i) {
     status.activities[static_cast<Activity>(i)] = {1000 + i, 100.0 + static_cast<double>(i)};
   }
+  status.faults = {{FaultKind::kExperience, "cannot write /a b/segment: No space left on device", 3.5},
+                   {FaultKind::kState, "the same", 0.0}};
   return status;
 }
 
@@ -56,6 +58,7 @@ void ExpectEqual(const ProcessStatus& a, const ProcessStatus& b) {
   EXPECT_EQ(a.uptime_s, b.uptime_s);
   EXPECT_EQ(a.metrics, b.metrics);
   EXPECT_EQ(a.activities, b.activities);
+  EXPECT_EQ(a.faults, b.faults);
 }
 
 TEST(MetricName, IsDifferentForEveryMetric) {
@@ -76,6 +79,30 @@ TEST(TelemetryPacket, KeepsEveryField) {
   EXPECT_EQ(std::tie(a.mean_speed_mps, a.humanness_error, a.overall_score, a.policy_version, a.sent_ns),
             std::tie(b.mean_speed_mps, b.humanness_error, b.overall_score, b.policy_version, b.sent_ns));
   EXPECT_EQ(b.scenario, "left_turn");
+}
+
+TEST(TelemetryPacket, FitsTheRelaysMessage) {
+  EXPECT_LE(EncodePacket(SomeStatus()).size(), 2048u) << "the bound of Telemetry in cluster.idl";
+}
+
+TEST(TelemetryPacket, CutsFaultsThatDoNotFitAndRefusesThoseThatCannotBe) {
+  ProcessStatus status = SomeStatus();
+  status.faults.assign(9, {FaultKind::kResults, std::string(400, 'x'), 1.0});
+  const auto cut = DecodeStatusPacket(EncodePacket(status))->faults;
+  ASSERT_EQ(cut.size(), ProcessStatus::kMaxFaults);
+  EXPECT_EQ(cut.back().text, std::string(ProcessStatus::kMaxFaultText, 'x'));
+  status.faults = {{FaultKind::kResults, "\x1b[2J", 1.0}};
+  EXPECT_EQ(DecodeStatusPacket(EncodePacket(status))->faults.front().text, "?[2J");
+  status.faults.front() = {FaultKind::kCount, "x", 1.0};
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  status.faults.front() = {FaultKind::kState, "x", -1.0};
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  status.faults.front().since_s = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(DecodeStatusPacket(EncodePacket(status)));
+  status.faults.front() = {FaultKind::kState, "x", 1.0};
+  std::vector<std::byte> forged = EncodePacket(status);
+  forged[forged.size() - 4 * (ProcessStatus::kMaxFaultText + 1)] = std::byte{'\n'};
+  EXPECT_FALSE(DecodeStatusPacket(forged));
 }
 
 TEST(TelemetryPacket, CutsALongScenarioAndRefusesOneThatIsNotText) {

@@ -37,7 +37,7 @@ class ActorEpisodeLogTest : public ::testing::Test {
 };
 
 TEST_F(ActorEpisodeLogTest, WritesARowForAnEpisodeUnderAHeader) {
-  auto log = ActorEpisodeLog::Open(path_).value();
+  auto log = ActorEpisodeLog::Open(path_);
   ASSERT_TRUE(log.Append(9, 1'500'000'000, Episode(1)));
   const auto lines = Lines();
   ASSERT_EQ(lines.size(), 2);
@@ -47,9 +47,9 @@ TEST_F(ActorEpisodeLogTest, WritesARowForAnEpisodeUnderAHeader) {
 }
 
 TEST_F(ActorEpisodeLogTest, GoesOnBehindTheLastWholeRow) {
-  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(1, 0, Episode(1)));
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).Append(1, 0, Episode(1)));
   std::ofstream(path_, std::ios::app) << "1.000,1,2,77,coll";  // killed in the middle
-  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(2, 0, Episode(1)));
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).Append(2, 0, Episode(1)));
   const auto lines = Lines();
   ASSERT_EQ(lines.size(), 3);
   EXPECT_EQ(lines[1].substr(0, 12), "0.000,1,1,77");
@@ -57,10 +57,10 @@ TEST_F(ActorEpisodeLogTest, GoesOnBehindTheLastWholeRow) {
 }
 
 TEST_F(ActorEpisodeLogTest, KnowsTheLargestNumberThatIsThere) {
-  EXPECT_EQ(ActorEpisodeLog::Open(path_).value().last_episode(), 0u);
-  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(1, 0, Episode(7)));
-  ASSERT_TRUE(ActorEpisodeLog::Open(path_).value().Append(2, 0, Episode(3)));  // as earlier versions did
-  EXPECT_EQ(ActorEpisodeLog::Open(path_).value().last_episode(), 7u);
+  EXPECT_EQ(ActorEpisodeLog::Open(path_).last_episode(), 0u);
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).Append(1, 0, Episode(7)));
+  ASSERT_TRUE(ActorEpisodeLog::Open(path_).Append(2, 0, Episode(3)));  // as earlier versions did
+  EXPECT_EQ(ActorEpisodeLog::Open(path_).last_episode(), 7u);
 }
 
 // A child, because the limit on the size of files is its whole process's.
@@ -68,7 +68,7 @@ TEST_F(ActorEpisodeLogTest, AFullDiskDelaysARow) {
   const pid_t child = fork();
   if (child == 0) {
     signal(SIGXFSZ, SIG_IGN);
-    auto log = ActorEpisodeLog::Open(path_).value();
+    auto log = ActorEpisodeLog::Open(path_);
     const rlimit full{std::filesystem::file_size(path_) + 10, RLIM_INFINITY};
     const rlimit free{RLIM_INFINITY, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &full);
@@ -85,11 +85,15 @@ TEST_F(ActorEpisodeLogTest, AFullDiskDelaysARow) {
   EXPECT_EQ(lines[2].substr(0, 12), "0.000,1,2,77");
 }
 
-TEST_F(ActorEpisodeLogTest, NamesTheFileThatCannotBeWritten) {
+TEST_F(ActorEpisodeLogTest, AFileThatCannotBeOpenedIsNamedAndTriedAgainWithEachRow) {
   std::ofstream(root_.path() / "logs") << "a file where the folder should be";
-  const auto log = ActorEpisodeLog::Open(path_);
-  ASSERT_FALSE(log);
-  EXPECT_NE(log.error().message.find((root_.path() / "logs").string()), std::string::npos);
+  auto log = ActorEpisodeLog::Open(path_);
+  const Status refused = log.Append(1, 0, Episode(1));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find((root_.path() / "logs").string()), std::string::npos);
+  std::filesystem::remove(root_.path() / "logs");
+  ASSERT_TRUE(log.Append(1, 0, Episode(2)));
+  EXPECT_EQ(Lines().size(), 3) << "nothing is lost";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/io/atomic_file.h"
 #include "proto/evaluation/episode_row.h"
 #include "tests/deploy/local/test_processes.h"
 
@@ -10,6 +11,10 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+
+void Save(const RunResults& results, const std::filesystem::path& file) {
+  ASSERT_TRUE(WriteFileAtomically(file, std::string_view(results.Text())));
+}
 
 EvaluationReport Report(int successes, int collisions) {
   std::vector<EvaluatedEpisode> episodes;
@@ -43,7 +48,7 @@ TEST(RunResults, AccumulateOverSessions) {
     results.AddEvaluation({.elapsed_s = 30, .env_steps = 2500, .updates = 50, .policy_version = 7},
                           Report(3, 1));
     results.Update("interrupted", 60.0, trained, *episodes);
-    ASSERT_TRUE(results.Save());
+    Save(results, file);
   }
   RunResults results = RunResults::Load(file, Config{});
   EXPECT_EQ(results.earlier_s(), 60.0);
@@ -51,7 +56,7 @@ TEST(RunResults, AccumulateOverSessions) {
   trained.updates = 150;
   drive(400);
   results.Update("finished", 20.0, trained, *episodes);
-  ASSERT_TRUE(results.Save());
+  Save(results, file);
 
   const json saved = json::parse(FileText(file));
   EXPECT_EQ(saved["state"], "finished");
@@ -78,12 +83,12 @@ TEST(RunResults, SumsUpWhatFaultsTookOverSessions) {
     RunResults results = RunResults::Load(file, Config{});
     results.SetLost(lost);
     results.SetLost(lost);  // the same session, later
-    ASSERT_TRUE(results.Save());
+    Save(results, file);
   }
   RunResults results = RunResults::Load(file, Config{});
   lost.Add("learner: starts again", std::chrono::seconds(2));
   results.SetLost(lost);
-  ASSERT_TRUE(results.Save());
+  Save(results, file);
   EXPECT_EQ(json::parse(FileText(file))["lost_s"],
             json({{"learner: starts again", 2.0}, {"replay-0: hangs", 16.0}}));
 }
@@ -95,7 +100,7 @@ TEST(RunResults, ReplacesADamagedFileAndKeepsItAside) {
     std::ofstream(file, std::ios::trunc) << damage;
     const RunResults results = RunResults::Load(file, Config{});
     EXPECT_EQ(results.earlier_s(), 0.0);
-    ASSERT_TRUE(results.Save());
+    Save(results, file);
     EXPECT_EQ(json::parse(FileText(file))["scenario"], "left_turn");
     EXPECT_EQ(FileText(file.string() + ".corrupt"), damage);
   }

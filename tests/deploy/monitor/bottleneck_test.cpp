@@ -37,6 +37,16 @@ struct Case {
 
 class Bottleneck : public testing::TestWithParam<Case> {};
 
+TEST(BottleneckOfAFault, NamesTheFaultAndNotWhatFollowsFromIt) {
+  ClusterSummary summary = Busy({Row(dds::Role::kLearner, Activity::kWaitForInserts, 0.9),
+                                 Row(dds::Role::kReplay, Activity::kWaitForInserts, 0.9),
+                                 Row(dds::Role::kActor, Activity::kWaitForReplay, 0.9)});
+  summary.faults = {{"replay-0", {FaultKind::kExperience, "cannot write x: Too many open files", 5.0}}};
+  EXPECT_EQ(DescribeBottleneck(summary, Config{}), "replay-0: cannot write x: Too many open files");
+  summary.faults = {{"learner", {FaultKind::kTrainingLog, "cannot write y", 5.0}}};
+  EXPECT_THAT(DescribeBottleneck(summary, Config{}), StartsWith("actors: the learner waits"));
+}
+
 TEST_P(Bottleneck, NamesWhoHoldsTheOthersUp) {
   const Case& c = GetParam();
   EXPECT_THAT(DescribeBottleneck(Busy({c.learner, c.replay, c.actor}), Config{}), StartsWith(c.expected));

@@ -26,6 +26,24 @@ TEST(ClusterView, IsEmptyBeforeAnyMessage) {
   EXPECT_EQ(summary.recent_episodes, 0);
 }
 
+TEST(ClusterView, GathersFaultsThoseThatHoldUpTrainingFirst) {
+  ClusterView view = MakeView();
+  ProcessStatus learner = MakeStatus(dds::Role::kLearner, 0, 5.0);
+  learner.faults = {{FaultKind::kTrainingLog, "y", 2.0}};
+  ProcessStatus replay = MakeStatus(dds::Role::kReplay, 1, 5.0);
+  replay.faults = {{FaultKind::kState, "s", 1.0}, {FaultKind::kExperience, "x", 3.0}};
+  view.Add(learner, kStart);
+  view.Add(replay, kStart);
+  std::vector<ProcessFault> faults = view.Summarize(kStart).faults;
+  ASSERT_EQ(faults.size(), 3u);
+  EXPECT_EQ(faults.front(), (ProcessFault{"replay-1", replay.faults[1]}));
+  replay.faults.clear();
+  replay.uptime_s += 1.0;
+  view.Add(replay, kStart + seconds(1));
+  EXPECT_EQ(view.Summarize(kStart + seconds(1)).faults.size(), 1u);
+  EXPECT_TRUE(view.Summarize(kStart + seconds(9)).faults.empty()) << "who is silent is not believed";
+}
+
 TEST(ClusterView, SumsRatesOverProcesses) {
   ClusterView view = MakeView();
   view.Add(Actor(0, 5.0, 1000), kStart);

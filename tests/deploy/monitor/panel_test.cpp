@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <limits>
@@ -161,6 +162,23 @@ TEST(Panel, ALineForALogIsShort) {
   EXPECT_EQ(Columns(RenderLine(progress, 119)), 119u);
 }
 
+TEST(Panel, NamesEachFaultAndItsCause) {
+  Progress progress = Sample();
+  progress.summary.faults = {{"replay-0", {FaultKind::kExperience, "cannot write x: No space left", 95.0}},
+                             {"learner", {FaultKind::kTrainingLog, "cannot write y: No space left", 3.0}}};
+  const std::vector<std::string> lines = RenderPanel(progress, {24, 200});
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("fault       replay-0 for 1:35: cannot write x: No space")));
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("fault       learner for 0:03: cannot write y")));
+  EXPECT_THAT(RenderLine(progress, 200), HasSubstr("faults: replay-0 experience, learner training_log | "));
+  const auto faults = MonitorJson(progress.summary, "")["faults"];
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_EQ(faults[0]["process"], "replay-0");
+  EXPECT_EQ(faults[0]["kind"], "experience");
+  EXPECT_EQ(faults[0]["text"], "cannot write x: No space left");
+  EXPECT_EQ(faults[0]["since_s"], 95.0);
+  EXPECT_EQ(MonitorJson(Sample().summary, "")["faults"].dump(), "[]");
+}
+
 TEST(Panel, ShowsWhatWasRejectedByKindOnceThereIsSomething) {
   Progress progress = Sample();
   EXPECT_THAT(RenderPanel(progress, {}), testing::Not(testing::Contains(HasSubstr("rejected"))));
@@ -240,11 +258,15 @@ class PseudoTerminal {
     const winsize size = Size(rows, columns);
     EXPECT_EQ(ioctl(master_, TIOCSWINSZ, &size), 0);
   }
-  // Since the last call.
+  // Since the last call, to the end of what was shown: a terminal hands it over in pieces.
   std::string Written() const {
-    std::string text(1 << 16, '\0');
-    const ssize_t bytes = read(master_, text.data(), text.size());
-    text.resize(bytes > 0 ? static_cast<size_t>(bytes) : 0);
+    std::string text;
+    std::array<char, 4096> piece{};
+    while (!text.ends_with("\x1b[?7h")) {
+      const ssize_t bytes = read(master_, piece.data(), piece.size());
+      if (bytes <= 0) break;
+      text.append(piece.data(), static_cast<size_t>(bytes));
+    }
     return text;
   }
 

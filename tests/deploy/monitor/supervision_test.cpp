@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "deploy/monitor/merge_supervision.h"
+#include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 
 namespace dadrl {
@@ -42,6 +43,20 @@ TEST(Supervision, RefusesWhatIsNone) {
   EXPECT_FALSE(ParseSupervision(R"({"launcher": 1, "processes": [{"name": 3}]})"));
   EXPECT_FALSE(ParseSupervision(R"({"launcher": 1, "processes": 7})"));
   EXPECT_FALSE(LoadSupervision("/no/such/processes.json"));
+}
+
+TEST(Supervision, OnAFullDiskThereIsNoneRatherThanAnOldOne) {
+  const TemporaryFolder folder;
+  const SmallDisk disk(folder.path() / "disk", "64k");
+  ASSERT_TRUE(disk.mounted()) << disk.why();
+  const auto file = disk.path() / "processes.json";
+  ASSERT_TRUE(SaveSupervision(file, {.launcher = 17, .processes = {}}));
+  disk.Fill();
+  EXPECT_EQ(SaveSupervision(file, {.launcher = 18, .processes = {}}).error().code, ErrorCode::kExhausted);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  disk.Free();
+  ASSERT_TRUE(SaveSupervision(file, {.launcher = 19, .processes = {}}));
+  EXPECT_EQ(LoadSupervision(file)->launcher, 19);
 }
 
 TEST(Supervision, IsNotWrittenThroughALink) {
