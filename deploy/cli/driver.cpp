@@ -1,7 +1,5 @@
 #include "deploy/cli/driver.h"
 
-#include <unistd.h>
-
 #include <optional>
 #include <span>
 #include <utility>
@@ -29,17 +27,6 @@ Result<std::optional<std::string>> TrainedScenario(const std::string& policy) {
 
 }  // namespace
 
-Result<SharedConfig> SharedConfig::Create(const Config& config) {
-  DADRL_ASSIGN_OR_RETURN(FileDescriptor file, OpenUnnamedFile("config"));
-  const std::string yaml = ToYaml(config, false);
-  DADRL_RETURN_IF_ERROR(WriteAll(file, std::as_bytes(std::span(yaml)), "configuration"));
-  return SharedConfig(std::move(file));
-}
-
-std::filesystem::path SharedConfig::path() const {
-  return fmt::format("/proc/{}/fd/{}", getpid(), file_.get());
-}
-
 void DriverOptions::AddTo(CLI::App& app, const std::string& scenario_help) {
   app.add_option("--policy", policy,
                  "Policy file, pretrained:NAME (`dadrl policies` lists them), or a scripted driver: random, "
@@ -60,7 +47,9 @@ Result<Driver> DriverOptions::Resolve() const {
   DADRL_RETURN_IF_ERROR(CheckScenario(effective.scenario));
   DADRL_RETURN_IF_ERROR(Validate(effective));
   DADRL_ASSIGN_OR_RETURN(std::filesystem::path program, FindExecutable("dadrl-actor"));
-  DADRL_ASSIGN_OR_RETURN(SharedConfig shared, SharedConfig::Create(effective));
+  const std::string yaml = ToYaml(effective, false);
+  DADRL_ASSIGN_OR_RETURN(SharedFile shared,
+                         SharedFile::Create("config.yaml", std::as_bytes(std::span(yaml))));
   return Driver{std::move(program), std::move(resolved), std::move(effective), std::move(shared)};
 }
 

@@ -5,29 +5,18 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/io/file_descriptor.h"
 #include "common/util/result.h"
 #include "deploy/cli/command.h"
+#include "deploy/local/shared_file.h"
 
 namespace dadrl {
-
-// An effective configuration as a file that child processes can open while this object lives.
-class SharedConfig {
- public:
-  static Result<SharedConfig> Create(const Config& config);
-  std::filesystem::path path() const;
-
- private:
-  explicit SharedConfig(FileDescriptor file) : file_(std::move(file)) {}
-  FileDescriptor file_;
-};
 
 // Ready to be handed to dadrl-actor.
 struct Driver {
   std::filesystem::path program;  // dadrl-actor
   std::string policy;             // a file, or the name of a scripted driver
   Config config;                  // effective; its scenario is the one to drive
-  SharedConfig shared;            // the same as a file
+  SharedFile shared;              // the same as a file
 };
 
 // Who drives, and where.

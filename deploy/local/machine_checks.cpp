@@ -13,6 +13,7 @@
 #include "deploy/local/captured_process.h"
 #include "deploy/local/cluster_address.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/folder_check.h"
 #include "deploy/local/system_call_checks.h"
 #include "proto/telemetry.h"
 
@@ -182,6 +183,7 @@ std::vector<MachineCheck> CheckMachine(const Config& config) {
   const auto space = std::filesystem::space(".", error);
   checks.push_back(CheckDisk("the current folder", static_cast<double>(space.available),
                              static_cast<double>(config.replay.max_disk_bytes) + kGiB));
+  checks.push_back(CheckFolder("."));
   // An actor with SUMO takes about a quarter of a gibibyte.
   checks.push_back(CheckMemory(AvailableMemory(), static_cast<double>(config.replay.max_memory_bytes) +
                                                       kGiB * (1.0 + 0.25 * config.actor.count)));

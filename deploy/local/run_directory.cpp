@@ -1,16 +1,17 @@
 #include "deploy/local/run_directory.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <ctime>
 #include <system_error>
 
 #include "common/config/config_yaml.h"
 #include "common/io/atomic_file.h"
+#include "common/io/link_file.h"
 #include "common/io/read_file.h"
 
 namespace dadrl {
@@ -25,6 +26,17 @@ struct flock WholeFile(short type) {
   lock.l_type = type;
   lock.l_whence = SEEK_SET;
   return lock;
+}
+
+enum class LockState { kTaken, kHeldByOther, kImpossible };
+
+// Where the file system knows no locks of open files, flock(2) does as well: whoever asks falls back alike.
+LockState TryLock(const FileDescriptor& file) {
+  struct flock exclusive = WholeFile(F_WRLCK);
+  if (fcntl(file.get(), F_OFD_SETLK, &exclusive) == 0) return LockState::kTaken;
+  if (errno == EAGAIN || errno == EACCES) return LockState::kHeldByOther;
+  if (flock(file.get(), LOCK_EX | LOCK_NB) == 0) return LockState::kTaken;
+  return errno == EWOULDBLOCK ? LockState::kHeldByOther : LockState::kImpossible;
 }
 
 // The pid that the holder wrote: for the message only, the lock itself is the kernel's.
@@ -45,15 +57,23 @@ Result<RunDirectory> RunDirectory::Lock(RunPaths paths) {
         "other; copy it with cp -a",
         paths.lock().string(), info.st_nlink);
   }
-  struct flock exclusive = WholeFile(F_WRLCK);
-  if (fcntl(lock.get(), F_OFD_SETLK, &exclusive) != 0) {
+  const LockState state = TryLock(lock);
+  if (state == LockState::kImpossible) {
+    return Fail(
+        ErrorCode::kUnavailable,
+        "{} is on a file system without locks, where two trainings could write into one folder: choose a "
+        "--run-dir on another",
+        paths.root.string());
+  }
+  if (state == LockState::kHeldByOther) {
     return Fail(ErrorCode::kUnavailable,
                 "{} is in use by another dadrl{}: wait for it, stop it, or choose another --run-dir",
                 paths.root.string(), Holder(paths));
   }
+  // Only for messages: a disk that is full is no obstacle.
   const std::string pid = std::to_string(getpid()) + "\n";
-  if (ftruncate(lock.get(), 0) != 0 || pwrite(lock.get(), pid.data(), pid.size(), 0) < 0) {
-    return Fail(ErrorCode::kInternal, "cannot write {}: {}", paths.lock().string(), std::strerror(errno));
+  if (ftruncate(lock.get(), 0) == 0) {
+    [[maybe_unused]] const ssize_t written = pwrite(lock.get(), pid.data(), pid.size(), 0);
   }
   return RunDirectory(std::move(paths), std::move(lock));
 }
@@ -80,7 +100,7 @@ Result<RunDirectory> RunDirectory::CreateNew(const fs::path& root) {
 }
 
 Result<RunDirectory> RunDirectory::OpenExisting(const fs::path& root) {
-  RunPaths paths{.root = root};
+  RunPaths paths{.root = FollowLinks(root)};
   if (!fs::exists(paths.config())) {
     return Fail(
         ErrorCode::kNotFound,
@@ -91,7 +111,9 @@ Result<RunDirectory> RunDirectory::OpenExisting(const fs::path& root) {
 }
 
 Status RunDirectory::SaveConfig(const Config& config) const {
-  return WriteFileAtomically(paths_.config(), std::string_view(ToYaml(config, false)));
+  const std::string yaml = ToYaml(config, false);
+  if (ReadTextFile(paths_.config(), 2 * yaml.size()) == yaml) return {};
+  return WriteFileAtomically(paths_.config(), std::string_view(yaml));
 }
 
 Status LoadRunConfig(const RunPaths& paths, Config& config) {
@@ -104,7 +126,8 @@ bool IsRunning(const RunPaths& paths) {
   const auto lock = FileDescriptor::Open(paths.lock(), O_RDONLY);
   if (!lock) return false;
   struct flock query = WholeFile(F_RDLCK);  // asks without taking
-  return fcntl(lock->get(), F_OFD_GETLK, &query) == 0 && query.l_type != F_UNLCK;
+  if (fcntl(lock->get(), F_OFD_GETLK, &query) == 0) return query.l_type != F_UNLCK;
+  return flock(lock->get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 fs::path NewRunPath(const fs::path& runs, const std::string& scenario) {
@@ -122,12 +145,8 @@ fs::path NewRunPath(const fs::path& runs, const std::string& scenario) {
 void LinkLatest(const fs::path& root) {
   std::error_code error;
   const fs::path absolute = fs::absolute(root, error).lexically_normal();
-  const fs::path link = absolute.parent_path() / "latest";
-  // Beside and renamed: `latest` never points nowhere. Something that is not our link is left alone.
-  if (fs::exists(fs::symlink_status(link, error)) && !fs::is_symlink(link, error)) return;
-  const fs::path beside = absolute.parent_path() / fmt::format(".latest-{}", getpid());
-  fs::create_directory_symlink(absolute.filename(), beside, error);
-  if (!error) fs::rename(beside, link, error);
+  // Best effort: it saves typing, and a folder of that name is somebody's own.
+  static_cast<void>(LinkAtomically(absolute.parent_path() / "latest", absolute.filename()));
 }
 
 }  // namespace dadrl

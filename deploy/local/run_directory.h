@@ -32,8 +32,6 @@ struct RunPaths {
   std::filesystem::path policy() const { return checkpoints() / "latest"; }
   // The policy that was chosen when training ended: a link; not there while training goes on.
   std::filesystem::path best_policy() const { return checkpoints() / "best"; }
-  // A copy that an evaluation reads however long it takes; the learner removes old policies.
-  std::filesystem::path evaluated_policy() const { return root / "evaluated_policy.dadrl"; }
 };
 
 // A run directory held by this process: nobody else can open it. The kernel releases the lock when the
@@ -50,7 +48,7 @@ class RunDirectory {
   const RunPaths& paths() const { return paths_; }
   // The lock goes on with the program that this process becomes (exec), until that ends.
   void KeepAcrossExec() const;
-  // Writes config.yaml.
+  // Writes config.yaml, unless it says the same already: a run can be resumed on a full disk.
   Status SaveConfig(const Config& config) const;
 
  private:
@@ -70,7 +68,7 @@ bool IsRunning(const RunPaths& paths);
 // `runs/<scenario>-<local time>`, with a suffix when that exists.
 std::filesystem::path NewRunPath(const std::filesystem::path& runs, const std::string& scenario);
 
-// Points `<parent>/latest` at the run; best effort on file systems without links.
+// Points `<parent>/latest` at the run (common/io/link_file.h); best effort.
 void LinkLatest(const std::filesystem::path& root);
 
 }  // namespace dadrl

@@ -1,9 +1,12 @@
 #include "deploy/local/supervisor.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <csignal>
 #include <utility>
 
+#include "common/io/file_descriptor.h"
 #include "deploy/local/log_tail.h"
 
 namespace dadrl {
@@ -43,10 +46,16 @@ Status Supervisor::Start(ProcessSpec spec, bool resumed) {
 Status Supervisor::Launch(Entry& entry, bool restart) {
   entry.started = clock_.Now();
   entry.watch = std::make_unique<LivenessWatch>(hang_limits_, entry.started);
-  DADRL_ASSIGN_OR_RETURN(entry.child, ChildProcess::Spawn({.command = entry.spec.command(restart),
-                                                           .log = entry.spec.log,
-                                                           .nice = entry.spec.nice,
-                                                           .beats_fd = entry.watch->page_fd()}));
+  SpawnOptions options{.command = entry.spec.command(restart),
+                       .log = entry.spec.log,
+                       .nice = entry.spec.nice,
+                       .beats_fd = entry.watch->page_fd()};
+  const auto log = FileDescriptor::Open(options.log, O_WRONLY | O_APPEND | O_CREAT);
+  if (!log && !options.log.empty()) {
+    notice_(fmt::format("{}; {} runs without its log", log.error().message, entry.spec.name));
+    options.log.clear();
+  }
+  DADRL_ASSIGN_OR_RETURN(entry.child, ChildProcess::Spawn(options));
   entry.state = ProcessState::kRunning;
   entry.killed = false;
   entry.hung.clear();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/io/atomic_file.h"
 #include "common/io/link_file.h"
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
@@ -47,18 +46,16 @@ Status TrainingEvaluator::StartFinal() {
 }
 
 Status TrainingEvaluator::StartEvaluation(const std::filesystem::path& policy_file, bool final) {
-  {
-    DADRL_ASSIGN_OR_RETURN(const auto bytes,
-                           ReadFile(FollowLinks(policy_file), kMaxPolicyBytes, Links::kFollow));
-    DADRL_RETURN_IF_ERROR(WriteFileAtomically(paths_.evaluated_policy(), bytes));
-  }
-  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(paths_.evaluated_policy()));
+  DADRL_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
+                         ReadFile(FollowLinks(policy_file), kMaxPolicyBytes, Links::kFollow));
+  DADRL_ASSIGN_OR_RETURN(copy_, SharedFile::Create("policy", bytes));
+  DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(copy_->path()));
   DADRL_ASSIGN_OR_RETURN(const std::filesystem::path program, FindExecutable("dadrl-actor"));
   DADRL_ASSIGN_OR_RETURN(
       EvaluationJob job,
       EvaluationJob::Create(
           {.program = program,
-           .policy = paths_.evaluated_policy(),
+           .policy = copy_->path(),
            .policy_label = fmt::format("{}@{}", paths_.root.filename().string(), policy.updates),
            .policy_arguments = {},
            .scenario = config_.scenario,
@@ -104,6 +101,12 @@ std::optional<Result<EvaluatedPolicy>> TrainingEvaluator::Step() {
   if (!evaluation_->done()) return std::nullopt;
   Result<EvaluationReport> report = evaluation_->TakeReport();
   evaluation_.reset();
+  if (unsaved_) {
+    // The last word: a training whose choice is nowhere has not ended well.
+    if (Status saved = SaveSelection(paths_, *unsaved_); !saved) {
+      return tl::unexpected<Error>(std::move(saved.error()));
+    }
+  }
   return std::move(report).map([&](EvaluationReport&& whole) {
     return EvaluatedPolicy{evaluated_.updates, evaluated_.policy_version, std::move(whole)};
   });
@@ -113,9 +116,12 @@ Status TrainingEvaluator::FinishSelection() {
   const Result<Selection> selection = selection_->TakeSelection();
   selection_.reset();
   if (!selection) return tl::unexpected<Error>(selection.error());
-  DADRL_RETURN_IF_ERROR(SaveSelection(paths_, *selection));
   message_("chosen: " + SelectionLine(*selection));
-  return StartEvaluation(paths_.best_policy(), true);
+  if (const Status saved = SaveSelection(paths_, *selection); !saved) {
+    message_(saved.error().message + "; tried again after the evaluation");
+    unsaved_ = *selection;
+  }
+  return StartEvaluation(selection->chosen().policy.file, true);
 }
 
 std::string TrainingEvaluator::Progress() const {

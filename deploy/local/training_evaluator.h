@@ -13,6 +13,7 @@
 #include "deploy/local/evaluation_job.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/selection_job.h"
+#include "deploy/local/shared_file.h"
 
 namespace dadrl {
 
@@ -22,7 +23,7 @@ struct EvaluatedPolicy {
   EvaluationReport report;
 };
 
-// One evaluation at a time. Nothing blocks but reading and copying a policy file: the owner polls
+// One evaluation at a time. Nothing blocks but reading a policy file: the owner polls
 // AppendWaitFds and calls Step. Same thread rule as ChildProcess.
 class TrainingEvaluator {
  public:
@@ -59,6 +60,9 @@ class TrainingEvaluator {
   std::optional<SelectionJob> selection_;
   std::optional<EvaluationJob> evaluation_;
   bool final_ = false;  // which kind `evaluation_` is
+  // A copy of the policy that is evaluated, however long that takes: the learner removes old ones.
+  std::optional<SharedFile> copy_;
+  std::optional<Selection> unsaved_;  // a choice that could not be written down yet
   SavedPolicy evaluated_;
 };
 

@@ -58,7 +58,7 @@ def record_result(arguments, record):
     record["evaluation"]["policy"] = record["name"]
     if arguments.ship:
         arguments.policies.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(policy, arguments.policies / f"{arguments.ship}.dadrl")
+        shutil.copyfile(runs.follow_link(policy), arguments.policies / f"{arguments.ship}.dadrl")
         runs.write_json(arguments.policies / f"{arguments.ship}.json", record)
     return arguments.data / "runs" / f"{record['name']}.json"
 

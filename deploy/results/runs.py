@@ -89,9 +89,17 @@ def evaluate(dadrl, policy, scenario, episodes, seeds, extra=()):
     return json.loads(done.stdout)
 
 
+def follow_link(path):
+    """What a link of ours names where the file system has no symbolic links (common/io/link_file.h)."""
+    path = pathlib.Path(path)
+    with open(path, "rb") as file:
+        mark, _, name = file.read(512).partition(b": ")
+    return path.with_name(name.decode().strip()) if mark == b"dadrl link" else path
+
+
 def policy_updates(path):
     """Training updates behind a policy file, from its head (common/model/policy_file.h)."""
-    with open(path, "rb") as file:
+    with open(follow_link(path), "rb") as file:
         head = file.read(24)
     if len(head) < 24 or head[:8] != b"DADRLPOL":
         raise ResultsError(f"{path}: not a policy file")
