@@ -8,6 +8,7 @@
 #include "common/dds/address.h"
 #include "common/dds/bound_sockets.h"
 #include "common/dds/log_sink.h"
+#include "common/dds/steady_wait.h"
 #include "common/util/log.h"
 
 namespace dadrl::dds {
@@ -114,6 +115,7 @@ void NoticeIgnoredEnvironment() {
 
 Result<std::unique_ptr<Node>> Node::Create(const ClusterConfig& config, int replay_shards, Role role,
                                            int index, const std::string& key) {
+  WaitSteadily();
   InstallLogSink();
   NoticeIgnoredEnvironment();
   DADRL_RETURN_IF_ERROR(CheckArguments(config, replay_shards, role, index));
