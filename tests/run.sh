@@ -84,8 +84,11 @@ thread_sanitizer() {
   run_tests tsan -j "$(nproc)"
 }
 
-# more STAGE NAME COMMAND [ARGUMENT...]: if it is wanted.
-more() { [[ $wanted != *" $1 "* ]] || stage "${@:2}"; }
+# more STAGE NAME COMMAND [ARGUMENT...]: if it is wanted; what is not is said in the end.
+left_out=()
+more() {
+  if [[ $wanted == *" $1 "* ]]; then stage "${@:2}"; else left_out+=("$1"); fi
+}
 
 stage "packages" packages
 stage "sources: layers, formatting, scripts" check_sources
@@ -96,4 +99,5 @@ more tsan "thread sanitizer" thread_sanitizer
 more fuzz "fuzzers" tests/run_fuzzers.sh
 more tidy "clang-tidy of what changed" tests/tidy_changes.sh
 stage "tests: $preset" run_tests "$preset" "${ctest_options[@]}"
+[ ${#left_out[@]} -eq 0 ] || printf '\n== left out; tests/run.sh --all runs them too: %s\n' "${left_out[*]}"
 summarize
