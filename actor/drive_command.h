@@ -22,4 +22,10 @@ inline DriveCommand CommandOf(const Action& action, double max_speed_mps) {
   return command;
 }
 
+// The action that asks for `command`, as far as actions can: no speed above `max_speed_mps`.
+inline Action ActionOf(const DriveCommand& command, double max_speed_mps) {
+  const double share = std::clamp(command.target_speed_mps / max_speed_mps, 0.0, 1.0);
+  return {static_cast<float>(2.0 * share - 1.0), static_cast<float>(std::clamp(command.lane, -1, 1))};
+}
+
 }  // namespace dadrl

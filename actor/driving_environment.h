@@ -32,6 +32,7 @@ class DrivingEnvironment final : public Environment {
   Result<StepResult> Step(const Action& action) override;
   const Observation& observation() const override;
   const EpisodeSummary& summary() const override { return task_.summary(); }
+  const DrivingEnvironment* driving() const override { return this; }
 
   // Holds `command` for `steps` simulation steps, or until the episode ends; discounts as if that were one
   // decision. Errors as Step.

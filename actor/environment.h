@@ -14,6 +14,8 @@
 
 namespace dadrl {
 
+class DrivingEnvironment;
+
 // What one decision led to.
 struct StepResult {
   // Summed over the decision's simulation steps, discounted by gamma^(1/decision_interval) a step.
@@ -42,6 +44,9 @@ class Environment {
   virtual const Observation& observation() const = 0;
   // After a Step that ended the episode.
   virtual const EpisodeSummary& summary() const = 0;
+  // After Reset: the environment that the episode is driven in, for drivers that look at more than the
+  // observation; null where there is none.
+  virtual const DrivingEnvironment* driving() const { return nullptr; }
 };
 
 // Checks the configuration, finds the scenario's files. With the scenario "all" each episode's seed draws

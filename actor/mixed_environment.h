@@ -26,6 +26,7 @@ class MixedEnvironment final : public Environment {
   Result<StepResult> Step(const Action& action) override { return current_->Step(action); }
   const Observation& observation() const override { return current_->observation(); }
   const EpisodeSummary& summary() const override { return current_->summary(); }
+  const DrivingEnvironment* driving() const override { return current_; }
 
  private:
   explicit MixedEnvironment(std::vector<std::unique_ptr<DrivingEnvironment>> environments)

@@ -88,6 +88,7 @@ class Actor {
   std::unique_ptr<ExperienceWriter> writer_;
   std::unique_ptr<WeightsSubscriber> weights_;
   std::unique_ptr<ActorEpisodeLog> log_;
+  std::unique_ptr<ScriptedDriver> driver_;  // if not the learner's policy
   std::unique_ptr<Collector> collector_;
   std::unique_ptr<StatusReporter> reporter_;
   Status address_;  // the reporter's thread writes it before it asks for the shutdown
@@ -136,6 +137,7 @@ Status Actor::Connect() {
                                                            identity_.incarnation, lease_.get()));
   DADRL_ASSIGN_OR_RETURN(weights_,
                          WeightsSubscriber::Create(*node_, policy_.parameter_count(), policy_.layout_hash()));
+  DADRL_ASSIGN_OR_RETURN(driver_, ScriptedDriver::Make(config));
   collector_ = std::make_unique<Collector>(config,
                                            Collector::Parts{.environment = *environment_,
                                                             .sink = *writer_,
@@ -143,7 +145,8 @@ Status Actor::Connect() {
                                                             .policy = policy_,
                                                             .ledger = ledger_,
                                                             .clock = clock_,
-                                                            .stop = shutdown_requested},
+                                                            .stop = shutdown_requested,
+                                                            .driver = driver_.get()},
                                            identity_.number, identity_.incarnation, log_->last_episode());
   reporter_ = std::make_unique<StatusReporter>(
       *publisher_, config.telemetry, number(), identity_.incarnation,
@@ -193,7 +196,7 @@ void Actor::Record(const CollectedEpisode& episode) {
 // With a policy in use, a stranger's broadcast is only counted; without one, it means that this actor was
 // started with another configuration than its learner and would drive at random for ever.
 Status Actor::CheckLayout() const {
-  if (collector_->progress().policy_version > 0 || weights_->refused_layouts() == 0) return {};
+  if (driver_ || collector_->progress().policy_version > 0 || weights_->refused_layouts() == 0) return {};
   return Fail(ErrorCode::kInvalidArgument,
               "the learner at {} trains another network than this actor's configuration describes: start the "
               "actor with the config.yaml of the run",

@@ -34,6 +34,7 @@ Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
   if (!ready) return std::nullopt;
   steps_before_ = progress().env_steps;
   random_actions_.Restart();
+  if (parts_.driver != nullptr) parts_.driver->BeginEpisode(seed_);
   parts_.sink.BeginEpisode(episode_);
   while (WaitForRoom()) {
     TakePolicy();
@@ -74,7 +75,7 @@ Result<bool> Collector::Reset() {
 
 Result<bool> Collector::Decide() {
   before_ = parts_.environment.observation();
-  const Action action = version_ == 0 ? random_actions_.Next(random_) : parts_.policy.Act(before_, &random_);
+  const Action action = Act();
   DADRL_ASSIGN_OR_RETURN(const StepResult step, parts_.environment.Step(action));
   const uint8_t flags = step.terminated ? kTerminated : step.truncated ? kTruncated : 0;
   parts_.sink.AddTransition(before_, action, step.reward, flags, version_);
@@ -83,6 +84,11 @@ Result<bool> Collector::Decide() {
   ++progress_.decisions;
   progress_.env_steps += static_cast<uint64_t>(config_.task.decision_interval);
   return step.ended();
+}
+
+Action Collector::Act() {
+  if (parts_.driver != nullptr) return parts_.driver->Act(parts_.environment);
+  return version_ == 0 ? random_actions_.Next(random_) : parts_.policy.Act(before_, &random_);
 }
 
 Result<std::optional<CollectedEpisode>> Collector::Lose(const Error& error) {
@@ -114,6 +120,7 @@ bool Collector::WaitForRoom() {
 }
 
 void Collector::TakePolicy() {
+  if (parts_.driver != nullptr) return;
   const uint32_t newer = parts_.policies.TakeNewer(newest_version_, parameters_);
   if (newer == 0) return;
   newest_version_ = newer;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "actor/collect/random_actions.h"
+#include "actor/collect/scripted_driver.h"
 #include "actor/environment.h"
 #include "actor/experience/experience_sink.h"
 #include "common/config/config.h"
@@ -38,8 +39,9 @@ struct CollectedEpisode {
   uint32_t policy_version = 0;  // in use when it ended
 };
 
-// Acts at random until the first policy arrives, then samples from the policy. RunEpisode belongs to one
-// thread, which beats while it waits (the environment beats while it drives); progress may be read by any.
+// Acts at random until the first policy arrives, then samples from the policy; or as a scripted driver does.
+// RunEpisode belongs to one thread, which beats while it waits (the environment beats while it drives);
+// progress may be read by any.
 class Collector {
  public:
   // Borrowed for the collector's life.
@@ -51,6 +53,7 @@ class Collector {
     TimeLedger& ledger;
     Clock& clock;
     const std::atomic<bool>& stop;
+    ScriptedDriver* driver = nullptr;  // drives in place of the policies, if there is one
   };
 
   // Numbers episodes from `last_episode` + 1 on: what the actor finished before it was restarted has the
@@ -72,6 +75,8 @@ class Collector {
  private:
   // The simulator is ready, or this episode is lost (false), or there is no hope.
   Result<bool> Reset();
+  // For the observation in before_.
+  Action Act();
   // One decision; true when the episode ended.
   Result<bool> Decide();
   Result<std::optional<CollectedEpisode>> Lose(const Error& error);

@@ -29,21 +29,21 @@ void PredictivePolicy::BeginEpisode(uint64_t seed) {
   scenes_ = 0;
 }
 
-double PredictivePolicy::TurnRate(const SocialVehicle& vehicle) const {
-  const int age = std::min(scenes_, kTurnSteps);
+double PredictivePolicy::TurnRate(const SocialVehicle& vehicle, int step) const {
+  const int age = std::min(scenes_, kTurnScenes);
   if (age == 0) return 0.0;
-  const auto& scene = past_[static_cast<size_t>((scenes_ - age) % kTurnSteps)];
-  const auto it = std::ranges::find(scene, vehicle.id, &SocialVehicle::id);
-  if (it == scene.end()) return 0.0;
-  return WrapAngle(vehicle.pose.heading - it->pose.heading) / (age * kStepSeconds);
+  const Scene& scene = past_[static_cast<size_t>((scenes_ - age) % kTurnScenes)];
+  const auto it = std::ranges::find(scene.vehicles, vehicle.id, &SocialVehicle::id);
+  if (it == scene.vehicles.end()) return 0.0;
+  return WrapAngle(vehicle.pose.heading - it->pose.heading) / ((step - scene.step) * kStepSeconds);
 }
 
-void PredictivePolicy::Predict(const WorldState& world) {
+void PredictivePolicy::Predict(const WorldState& world, int step) {
   others_.clear();
   for (const SocialVehicle& vehicle : world.vehicles) {
     if (Norm(vehicle.pose.position - world.ego.pose.position) > kRadius) continue;
     if (Follows(world.ego.pose, vehicle.pose)) continue;
-    const double turn = TurnRate(vehicle) * kStepSeconds;
+    const double turn = TurnRate(vehicle, step) * kStepSeconds;
     const double advance = vehicle.speed_mps * kStepSeconds;
     Pose pose = vehicle.pose;
     Trajectory& trajectory = others_.emplace_back();
@@ -53,7 +53,7 @@ void PredictivePolicy::Predict(const WorldState& world) {
       predicted = {pose, vehicle.length_m, vehicle.width_m};
     }
   }
-  past_[static_cast<size_t>(scenes_ % kTurnSteps)] = world.vehicles;
+  past_[static_cast<size_t>(scenes_ % kTurnScenes)] = {step, world.vehicles};
   ++scenes_;
 }
 
@@ -75,7 +75,7 @@ int PredictivePolicy::ClearSteps(const DrivingEnvironment& environment, const Dr
 }
 
 Decision PredictivePolicy::Decide(const DrivingEnvironment& environment) {
-  Predict(environment.world());
+  Predict(environment.world(), environment.summary().steps);
   const int towards_route = LaneTowardsRoute(environment);
   DriveCommand best;
   int best_clear = -1;

@@ -124,8 +124,12 @@ struct LearnerConfig {
   int64_t max_updates = 0;  // 0: until stopped
 };
 
+// Who drives in the actors: the learner's policy, or a driver of this name.
+enum class ActorPolicy { kLearned, kRandom, kRdm, kSlow, kPredictive };
+
 struct ActorConfig {
   int count = 1;
+  ActorPolicy policy = ActorPolicy::kLearned;
   int chunk_frames = 64;
   int64_t max_unacknowledged_bytes = int64_t{64} << 20;
   FloatCoding floats = FloatCoding::kFloat16;

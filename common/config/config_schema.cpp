@@ -162,6 +162,8 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("learner.max_updates", l.max_updates, 0, kHuge, "Stop after so many updates; 0 is never");
   ActorConfig& a = c.actor;
   b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
+  b.AddChoice("actor.policy", a.policy, {"learned", "random", "rdm", "slow", "predictive"},
+              "Who drives: the policy that is learnt, or a scripted driver, whose experience is learnt from");
   b.Add("actor.chunk_frames", a.chunk_frames, 1, 64, "Frames of one experience chunk");
   b.Add("actor.max_unacknowledged_bytes", a.max_unacknowledged_bytes, 1 << 16, kHuge,
         "Experience an actor keeps until the replay has stored it; then it waits");
