@@ -1,7 +1,8 @@
-# Compiler settings and the three functions every folder uses:
+# Compiler settings and the functions every folder uses:
 #   dadrl_library(NAME SOURCES ... LINK ...)     static library dadrl_NAME
 #   dadrl_executable(NAME SOURCES ... LINK ...)  build/<preset>/bin/NAME
 #   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...] [PREFIX ...])  GoogleTest binary, each case registered with CTest
+#   dadrl_shared_files(TARGET FOLDER FILES...)   copies of FILES in build/<preset>/share/dadrl/FOLDER, beside bin
 # PLAIN_HEADERS leaves the precompiled headers out (DadrlHeaders.cmake): for sources with flags of their own.
 
 set(CMAKE_CXX_STANDARD 20)
@@ -85,4 +86,18 @@ function(dadrl_test NAME)
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${ARG_PREFIX}"
                        PROPERTIES ENVIRONMENT "${LEAKS}" ENVIRONMENT_MODIFICATION "${RACES}"
                                   TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()
+
+# Ends with an empty folder where there are no files.
+function(dadrl_shared_files TARGET FOLDER)
+  set(OUTPUT ${CMAKE_BINARY_DIR}/share/dadrl/${FOLDER})
+  set(PRODUCTS)
+  foreach(FILE ${ARGN})
+    cmake_path(GET FILE FILENAME NAME)
+    add_custom_command(OUTPUT ${OUTPUT}/${NAME}
+      COMMAND ${CMAKE_COMMAND} -E copy ${FILE} ${OUTPUT}/${NAME}
+      DEPENDS ${FILE} VERBATIM)
+    list(APPEND PRODUCTS ${OUTPUT}/${NAME})
+  endforeach()
+  add_custom_target(${TARGET} ALL DEPENDS ${PRODUCTS} COMMAND ${CMAKE_COMMAND} -E make_directory ${OUTPUT})
 endfunction()

@@ -8,7 +8,7 @@
 #include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
-#include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/registry.h"
 #include "learner/batch_fetcher.h"
 #include "learner/checkpoint_store.h"
 #include "learner/checkpoint_writer.h"
@@ -35,7 +35,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(folder));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, reserve.highest(), resume, *algorithm));
-  TrainingLog log(run_directory, progress.updates, ProcessFaults());
+  TrainingLog log(run_directory, progress.updates, algorithm->spec().scalars, ProcessFaults());
 
   SystemClock clock;
   TelemetryPublisher telemetry(config, *node);

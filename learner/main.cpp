@@ -1,7 +1,8 @@
-// dadrl-learner --config FILE --run-dir DIR [--resume]
+// dadrl-learner --config FILE --run-dir DIR [--resume]; `dadrl-learner algorithms [--json]` lists them.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
+#include <string_view>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
@@ -12,6 +13,7 @@
 #include "common/util/process_setup.h"
 #include "common/util/shutdown.h"
 #include "learner/learner_process.h"
+#include "learner/list_algorithms.h"
 
 namespace {
 
@@ -27,6 +29,10 @@ dadrl::Status Learn(const std::filesystem::path& config_file, const std::filesys
 
 int main(int argc, char** argv) {
   dadrl::SetUpProcess();
+  if (argc > 1 && std::string_view(argv[1]) == "algorithms") {
+    fmt::print("{}", dadrl::AlgorithmList(argc > 2 && std::string_view(argv[2]) == "--json"));
+    return 0;
+  }
   CLI::App app("Trains the policy from the replay's experience and broadcasts it to the actors.",
                "dadrl-learner");
   std::filesystem::path config_file;

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <cmath>
+
 #include "common/util/fault.h"
 #include "common/util/log.h"
 
@@ -9,6 +11,15 @@ namespace dadrl {
 namespace {
 
 constexpr Duration kPrintInterval = std::chrono::seconds(30);
+
+// Those that the interval has.
+std::vector<NamedScalar> NamedScalars(std::span<const ScalarSpec> specs, const TrainingInterval& interval) {
+  std::vector<NamedScalar> named;
+  for (size_t i = 0; i < specs.size(); ++i) {
+    if (!std::isnan(interval.scalars[i])) named.push_back({std::string(specs[i].name), interval.scalars[i]});
+  }
+  return named;
+}
 
 }  // namespace
 
@@ -51,7 +62,8 @@ void Reporter::Report() {
   const TrainingInterval interval = parts_.trainer.TakeInterval();
   const FetchStats fetched = parts_.fetch_stats();
   const ActivityTotals activity = parts_.trainer.ledger().Read();
-  parts_.telemetry.Publish(MakeStatus(interval, fetched, activity));
+  const ProcessStatus status = MakeStatus(interval, fetched, activity);
+  parts_.telemetry.Publish(status);
 
   const double all_s = activity.AllSeconds() - activity_.AllSeconds();
   const double work_s = activity[Activity::kWork].seconds - activity_[Activity::kWork].seconds;
@@ -62,9 +74,9 @@ void Reporter::Report() {
                            .work_fraction = all_s > 0.0 ? work_s / all_s : 0.0};
   parts_.log.Add(interval, context);
   if (now - printed_at_ >= kPrintInterval) {
-    spdlog::info("{} updates, {:.1f}/s, weights version {}, critic loss {:.4f}, {:.0f} % busy",
-                 interval.updates, static_cast<double>(interval.interval_updates) / context.interval_s,
-                 interval.weights_version, interval.mean.critic_loss, 100.0 * context.work_fraction);
+    spdlog::info("{} updates, {:.1f}/s, weights version {}, {:.0f} % busy; {}", interval.updates,
+                 static_cast<double>(interval.interval_updates) / context.interval_s,
+                 interval.weights_version, 100.0 * context.work_fraction, ScalarsText(status.scalars));
     printed_at_ = now;
   }
   reported_at_ = now;
@@ -91,13 +103,9 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
   status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;
   status[Metric::kStalenessSecondsMax] = interval.staleness.seconds_max;
-  status[Metric::kCriticLoss] = interval.mean.critic_loss;
-  status[Metric::kActorLoss] = interval.mean.actor_loss;
-  status[Metric::kTemperature] = interval.mean.temperature;
-  status[Metric::kEntropy] = interval.mean.entropy;
-  status[Metric::kMeanQ] = interval.mean.mean_q;
   status.faults = ProcessFaults().Current();
   status[Metric::kCheckpointAgeS] = ToSeconds(now - saved.saved_at.value_or(started_));
+  status.scalars = NamedScalars(parts_.trainer.scalar_specs(), interval);
   return status;
 }
 

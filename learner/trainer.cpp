@@ -18,42 +18,24 @@ constexpr Duration kSlowDisk = std::chrono::minutes(5);
 constexpr Duration kSaveRetry = std::chrono::seconds(1);
 constexpr int kLastAttempts = 10;
 
-void AddTo(UpdateStats& sum, const UpdateStats& stats) {
-  sum.critic_loss += stats.critic_loss;
-  sum.actor_loss += stats.actor_loss;
-  sum.temperature += stats.temperature;
-  sum.temperature_loss += stats.temperature_loss;
-  sum.entropy += stats.entropy;
-  sum.mean_q += stats.mean_q;
-  sum.mean_target += stats.mean_target;
-}
-
-UpdateStats Scaled(const UpdateStats& sum, double factor) {
-  return {.critic_loss = factor * sum.critic_loss,
-          .actor_loss = factor * sum.actor_loss,
-          .temperature = factor * sum.temperature,
-          .temperature_loss = factor * sum.temperature_loss,
-          .entropy = factor * sum.entropy,
-          .mean_q = factor * sum.mean_q,
-          .mean_target = factor * sum.mean_target};
-}
-
 }  // namespace
 
 Trainer::Trainer(const Config& config, const Parts& parts, const TrainingProgress& progress)
     : config_(config),
       config_yaml_(ToYaml(config, false)),
-      guard_(config),
       parts_(parts),
+      guard_(config, scalar_specs()),
+      sends_priorities_(parts.algorithm.spec().gives_priorities && UsesPriorities(config.replay)),
       ledger_(parts.clock),
       started_(parts.clock.Now()),
       trained_before_s_(progress.trained_s),
       published_at_(started_),
       checkpointed_at_(started_),
-      publish_now_(progress.updates > 0),
+      publish_now_(progress.updates > 0 || parts.algorithm.spec().acts_from_start),
       updates_(progress.updates),
       weights_version_(progress.weights_version),
       staleness_(progress.weights_version, progress.published_ns),
+      means_(scalar_specs().size()),
       shared_updates_(progress.updates) {}
 
 TrajectoryBatch* Trainer::WaitForBatch(Duration timeout) {
@@ -74,26 +56,23 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     return Step::kNoBatch;
   }
   ledger_.Enter(Activity::kWork);
-  auto stats = parts_.algorithm.Update(*batch);
-  if (!stats) {
-    parts_.batches.Release(batch);
-    return tl::unexpected<Error>(std::move(stats.error()));
+  Status sound = parts_.algorithm.Update(*batch);
+  if (sound) {
+    ReportWork(++updates_);
+    sound = guard_.Check(parts_.algorithm.scalars(), updates_);
   }
-  ReportWork(++updates_);
-  if (Status sound = guard_.Check(*stats, updates_); !sound) {
+  if (!sound) {
     parts_.batches.Release(batch);
     return tl::unexpected<Error>(std::move(sound.error()));
   }
   {
     MutexLock lock(mutex_);
-    AddTo(sum_, *stats);
+    means_.Add(parts_.algorithm.scalars());
     ++interval_updates_;
     shared_updates_ = updates_;
     staleness_.Add(std::span(batch->policy_versions).first(batch->keys.size()));
   }
-  if (UsesPriorities(config_.replay)) {
-    parts_.batches.UpdatePriorities(*batch, parts_.algorithm.td_error());
-  }
+  if (sends_priorities_) parts_.batches.UpdatePriorities(*batch, parts_.algorithm.priorities());
   parts_.batches.Release(batch);
   DADRL_RETURN_IF_ERROR(PublishIfDue());
   DADRL_RETURN_IF_ERROR(CheckpointIfDue());
@@ -110,10 +89,11 @@ Status Trainer::PublishIfDue() {
 Status Trainer::Publish() {
   DADRL_RETURN_IF_ERROR(RequireFinitePolicy());
   const uint32_t version = weights_version_.load(std::memory_order_relaxed) + 1;
+  const NamedNetwork policy = parts_.algorithm.published_policy();
   parts_.publisher.Publish({.version = version,
                             .updates = updates_,
-                            .layout_hash = parts_.algorithm.layout_hash(),
-                            .parameters = parts_.algorithm.published_policy()});
+                            .layout_hash = policy.layout_hash,
+                            .parameters = policy.parameters});
   weights_version_.store(version, std::memory_order_relaxed);
   published_at_ = parts_.clock.Now();
   MutexLock lock(mutex_);
@@ -123,7 +103,7 @@ Status Trainer::Publish() {
 
 // The algorithm checks its losses; this is the last gate before actors and files.
 Status Trainer::RequireFinitePolicy() const {
-  const std::span<const float> policy = parts_.algorithm.published_policy();
+  const std::span<const float> policy = parts_.algorithm.published_policy().parameters;
   const auto bad = std::find_if_not(policy.begin(), policy.end(), [](float v) { return std::isfinite(v); });
   if (bad == policy.end()) return {};
   return Fail(ErrorCode::kInternal,
@@ -218,10 +198,8 @@ TrainingInterval Trainer::TakeInterval() {
                             .weights_version = weights_version(),
                             .trained_s = TrainedSeconds(),
                             .interval_updates = interval_updates_,
-                            .mean = {},
+                            .scalars = means_.Take(),
                             .staleness = staleness_.TakeInterval()};
-  if (interval_updates_ > 0) interval.mean = Scaled(sum_, 1.0 / static_cast<double>(interval_updates_));
-  sum_ = {};
   interval_updates_ = 0;
   return interval;
 }

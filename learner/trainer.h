@@ -5,7 +5,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/config/config.h"
 #include "common/liveness/working_thread.h"
@@ -19,6 +21,7 @@
 #include "learner/checkpoint_writer.h"
 #include "learner/divergence.h"
 #include "learner/policy_publisher.h"
+#include "learner/scalar_means.h"
 #include "learner/staleness.h"
 
 namespace dadrl {
@@ -37,8 +40,8 @@ struct TrainingInterval {
   uint32_t weights_version = 0;
   double trained_s = 0.0;  // cumulative
   uint64_t interval_updates = 0;
-  UpdateStats mean;     // over the interval; zero without updates
-  Staleness staleness;  // over the interval
+  std::vector<double> scalars;  // means over the interval, as Algorithm::scalars; NaN: no update gave one
+  Staleness staleness;          // over the interval
 };
 
 class Trainer {
@@ -60,7 +63,7 @@ class Trainer {
 
   enum class Step { kNoBatch, kUpdated };
   // Waits for a batch, at most `timeout`, and trains on it; publishes and checkpoints when due. The first
-  // policy is published after the first update (actors drive at random until then), a resumed one at once.
+  // policy is published after the first update, or at once as AlgorithmSpec says; a resumed one at once.
   // Errors: what Algorithm::Update, DivergenceGuard and BatchSource::status say; nothing is published or
   // saved from then on.
   Result<Step> RunStep(Duration timeout);
@@ -77,6 +80,7 @@ class Trainer {
 
   // One caller: each call starts a new interval.
   TrainingInterval TakeInterval() DADRL_EXCLUDES(mutex_);
+  std::span<const ScalarSpec> scalar_specs() const { return parts_.algorithm.spec().scalars; }
   uint32_t weights_version() const { return weights_version_.load(std::memory_order_relaxed); }
   const TimeLedger& ledger() const { return ledger_; }
 
@@ -93,20 +97,21 @@ class Trainer {
 
   const Config config_;
   const std::string config_yaml_;
-  const DivergenceGuard guard_;
   Parts parts_;
+  const DivergenceGuard guard_;
+  const bool sends_priorities_;
   TimeLedger ledger_;
   const TimePoint started_;
   const double trained_before_s_;
   TimePoint published_at_;
   TimePoint checkpointed_at_;
-  bool publish_now_;  // resumed: actors should not wait for an interval
+  bool publish_now_;  // actors should not wait for an update
   uint64_t updates_;
   std::atomic<uint32_t> weights_version_;
 
   mutable Mutex mutex_;
   StalenessTracker staleness_ DADRL_GUARDED_BY(mutex_);
-  UpdateStats sum_ DADRL_GUARDED_BY(mutex_);
+  ScalarMeans means_ DADRL_GUARDED_BY(mutex_);
   uint64_t interval_updates_ DADRL_GUARDED_BY(mutex_) = 0;
   uint64_t shared_updates_ DADRL_GUARDED_BY(mutex_) = 0;  // updates_ as other threads see it
 };

@@ -30,23 +30,16 @@ double PerSecond(const Row& row, double value) {
   return row.context.interval_s > 0.0 ? value / row.context.interval_s : 0.0;
 }
 
-constexpr std::array kColumns = {
+constexpr std::array kColumnsBefore = {
     Column{"wall_time_s", "", [](const Row& r) { return r.context.wall_time_s; }},
     Column{"trained_s", "", [](const Row& r) { return r.training.trained_s; }},
     Column{"updates", "", [](const Row& r) { return static_cast<double>(r.training.updates); }},
     Column{"updates_per_s", "speed/updates_per_s",
            [](const Row& r) { return PerSecond(r, static_cast<double>(r.training.interval_updates)); }},
-    Column{"critic_loss", "loss/critic",
-           [](const Row& r) { return OfUpdates(r, r.training.mean.critic_loss); }},
-    Column{"actor_loss", "loss/actor", [](const Row& r) { return OfUpdates(r, r.training.mean.actor_loss); }},
-    Column{"temperature_loss", "loss/temperature",
-           [](const Row& r) { return OfUpdates(r, r.training.mean.temperature_loss); }},
-    Column{"temperature", "policy/temperature",
-           [](const Row& r) { return OfUpdates(r, r.training.mean.temperature); }},
-    Column{"entropy", "policy/entropy", [](const Row& r) { return OfUpdates(r, r.training.mean.entropy); }},
-    Column{"mean_q", "value/mean_q", [](const Row& r) { return OfUpdates(r, r.training.mean.mean_q); }},
-    Column{"mean_target", "value/mean_target",
-           [](const Row& r) { return OfUpdates(r, r.training.mean.mean_target); }},
+};
+
+// Between them stand the algorithm's scalars.
+constexpr std::array kColumnsBehind = {
     Column{"weights_version", "staleness/weights_version",
            [](const Row& r) { return static_cast<double>(r.training.weights_version); }},
     Column{"staleness_versions_mean", "staleness/versions_mean",
@@ -63,10 +56,32 @@ constexpr std::array kColumns = {
     Column{"replay_frames", "replay/frames", [](const Row& r) { return r.context.replay_frames; }},
 };
 
+struct Cell {
+  std::string_view name;
+  std::string_view tag;
+  double value;
+};
+
+std::vector<Cell> Cells(std::span<const ScalarSpec> scalars, const Row& row) {
+  std::vector<Cell> cells;
+  for (const Column& column : kColumnsBefore) cells.push_back({column.name, column.tag, column.value(row)});
+  for (size_t i = 0; i < scalars.size(); ++i) {
+    const bool known = i < row.training.scalars.size();
+    cells.push_back({scalars[i].name, scalars[i].tag,
+                     known ? row.training.scalars[i] : std::numeric_limits<double>::quiet_NaN()});
+  }
+  for (const Column& column : kColumnsBehind) cells.push_back({column.name, column.tag, column.value(row)});
+  return cells;
+}
+
 }  // namespace
 
-TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t updates, FaultBoard& faults)
-    : run_directory_(run_directory), first_step_(static_cast<int64_t>(updates)), faults_(faults) {
+TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t updates,
+                         std::span<const ScalarSpec> scalars, FaultBoard& faults)
+    : run_directory_(run_directory),
+      first_step_(static_cast<int64_t>(updates)),
+      scalars_(scalars),
+      faults_(faults) {
   const Status table = OpenTable();
   const Status events = OpenEvents();
   faults_.Report(FaultKind::kTrainingLog, table ? events : table);
@@ -75,7 +90,7 @@ TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t up
 Status TrainingLog::OpenTable() {
   if (csv_) return {};
   std::vector<std::string> names;
-  for (const Column& column : kColumns) names.emplace_back(column.name);
+  for (const Cell& cell : Cells(scalars_, {TrainingInterval{}, LogContext{}})) names.emplace_back(cell.name);
   return CsvLog::Open(run_directory_ / "logs" / "training.csv", names).map([this](CsvLog&& csv) {
     wall_time_s_ = std::max(wall_time_s_, csv.last_row_start());
     csv_.emplace(std::move(csv));
@@ -97,18 +112,16 @@ void TrainingLog::Add(const TrainingInterval& interval, const LogContext& measur
 
 // One that cannot be written does not keep the other from its row.
 Status TrainingLog::Write(const TrainingInterval& interval, const LogContext& context) {
-  const Row row{interval, context};
   std::vector<double> values;
-  std::vector<TaggedScalar> scalars;
-  for (const Column& column : kColumns) {
-    values.push_back(column.value(row));
-    if (!column.tag.empty()) scalars.push_back({column.tag, values.back()});
+  std::vector<TaggedScalar> tagged;
+  for (const Cell& cell : Cells(scalars_, {interval, context})) {
+    values.push_back(cell.value);
+    if (!cell.tag.empty()) tagged.push_back({cell.tag, cell.value});
   }
   Status table = OpenTable();
   if (table) table = csv_->Append(values);
   Status events = OpenEvents();
-  if (events)
-    events = tensorboard_->Add(static_cast<int64_t>(interval.updates), context.wall_time_s, scalars);
+  if (events) events = tensorboard_->Add(static_cast<int64_t>(interval.updates), context.wall_time_s, tagged);
   return table ? events : table;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "common/util/fault.h"
 #include "common/util/result.h"
@@ -27,9 +28,10 @@ struct LogContext {
 // or written is a fault of `faults` and is tried again with the next row: no disk stops a training.
 class TrainingLog {
  public:
-  // Goes on behind what earlier learners of the run wrote; `updates`: where this one begins. Borrows
-  // `faults`.
-  TrainingLog(const std::filesystem::path& run_directory, uint64_t updates, FaultBoard& faults);
+  // Goes on behind what earlier learners of the run wrote; `updates`: where this one begins; `scalars`: of
+  // the intervals' means, a column each. Borrows `scalars` and `faults`.
+  TrainingLog(const std::filesystem::path& run_directory, uint64_t updates,
+              std::span<const ScalarSpec> scalars, FaultBoard& faults);
   void Add(const TrainingInterval& interval, const LogContext& context);
 
  private:
@@ -40,6 +42,7 @@ class TrainingLog {
 
   const std::filesystem::path run_directory_;
   const int64_t first_step_;
+  const std::span<const ScalarSpec> scalars_;
   FaultBoard& faults_;
   std::optional<CsvLog> csv_;
   std::optional<TensorBoardWriter> tensorboard_;

@@ -60,11 +60,6 @@ constexpr std::string_view kMetricNames[] = {
     "staleness_versions_max",
     "staleness_seconds_mean",
     "staleness_seconds_max",
-    "critic_loss",
-    "actor_loss",
-    "temperature",
-    "entropy",
-    "mean_q",
     "checkpoint_age_s",
 };
 static_assert(std::size(kMetricNames) == static_cast<size_t>(Metric::kCount));

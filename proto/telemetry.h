@@ -17,6 +17,7 @@
 #include "common/util/fault.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
+#include "proto/named_scalar.h"
 
 namespace dadrl {
 
@@ -63,11 +64,6 @@ enum class Metric : int {
   kStalenessVersionsMax,
   kStalenessSecondsMean,  // the same in seconds
   kStalenessSecondsMax,
-  kCriticLoss,
-  kActorLoss,
-  kTemperature,
-  kEntropy,
-  kMeanQ,
   kCheckpointAgeS,
   kCount,
 };
@@ -92,6 +88,8 @@ struct ProcessStatus {
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
   ActivityTotals activities;  // cumulative, of the process's main loop
   std::vector<Fault> faults;  // that last now; printable ASCII, anything else is sent as '?'
+  // Means over the last interval. Sent are the first kMaxScalars that a reader would take.
+  std::vector<NamedScalar> scalars;
 
   double& operator[](Metric metric) { return metrics[static_cast<size_t>(metric)]; }
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }

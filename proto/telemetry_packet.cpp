@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMetrics = static_cast<int>(Metric::kCount);
 constexpr int kActivities = static_cast<int>(Activity::kCount);
-static_assert(kMetrics <= 64 && kActivities <= 16, "widen the arrays in telemetry.lcm");
+static_assert(kMetrics <= 48 && kActivities <= 16, "widen the arrays in telemetry.lcm");
 
 static_assert(ProcessStatus::kMaxFaults == std::extent_v<decltype(dadrl_lcm::process_status::fault_kind)> &&
               ProcessStatus::kMaxFaultText + 1 == sizeof(dadrl_lcm::process_status::fault_text[0]));
@@ -62,7 +62,7 @@ constexpr double kLargestReturn = 1e9;
 // False for NaN.
 bool IsBetween(double least, double value, double most) { return least <= value && value <= most; }
 
-// Losses and values have either sign, and an age is a difference of two machines' clocks.
+// An age is a difference of two machines' clocks.
 bool MayBeNegative(Metric metric) {
   return metric == Metric::kPolicyAgeS ||
          (metric >= Metric::kStalenessVersionsMean && metric <= Metric::kCheckpointAgeS);
@@ -78,6 +78,11 @@ bool IsPossible(const dadrl_lcm::process_status& message) {
     if (message.activity_begun[i] < 0 || message.activity_begun[i] > kMostBegun) return false;
   }
   return IsBetween(0.0, message.uptime_s, kMost) && message.pid >= 0 && message.pid <= kMostPids;
+}
+
+// Losses and values have either sign.
+bool IsPossible(const NamedScalar& scalar) {
+  return IsScalarName(scalar.name) && IsBetween(-kMost, scalar.value, kMost);
 }
 
 // Whether a process of `role` can have the number `index`.
@@ -145,6 +150,30 @@ std::optional<std::vector<Fault>> FaultsOf(const dadrl_lcm::process_status& mess
   return faults;
 }
 
+void PutScalars(std::span<const NamedScalar> scalars, dadrl_lcm::process_status& message) {
+  static_assert(std::extent_v<decltype(message.scalars)> == kMaxScalars &&
+                std::extent_v<decltype(message.scalar_names), 1> == kMaxScalarName + 1);
+  for (const NamedScalar& scalar : scalars) {
+    if (message.scalar_count == kMaxScalars) break;
+    if (!IsPossible(scalar)) continue;
+    std::ranges::copy(scalar.name, message.scalar_names[message.scalar_count]);
+    message.scalars[message.scalar_count++] = scalar.value;
+  }
+}
+
+// Nothing when one has no name or a value that cannot be, or a name comes twice.
+std::optional<std::vector<NamedScalar>> ScalarsOf(const dadrl_lcm::process_status& message) {
+  if (message.scalar_count < 0 || message.scalar_count > kMaxScalars) return std::nullopt;
+  std::vector<NamedScalar> scalars;
+  for (int i = 0; i < message.scalar_count; ++i) {
+    NamedScalar scalar{TextOf(message.scalar_names[i]).value_or(""), message.scalars[i]};
+    const bool is_new = std::ranges::find(scalars, scalar.name, &NamedScalar::name) == scalars.end();
+    if (!is_new || !IsPossible(scalar)) return std::nullopt;
+    scalars.push_back(std::move(scalar));
+  }
+  return scalars;
+}
+
 }  // namespace
 
 std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
@@ -164,6 +193,7 @@ std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
     message.activity_begun[i] = std::bit_cast<int64_t>(spent.count);
   }
   PutFaults(status.faults, message);
+  PutScalars(status.scalars, message);
   return Encode(message);
 }
 
@@ -200,7 +230,10 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
   if (!IsPossible(message)) return Fail(ErrorCode::kCorrupt, "status with a value out of range");
   auto faults = FaultsOf(message);
   if (!faults) return Fail(ErrorCode::kCorrupt, "status with a fault that cannot be");
+  auto scalars = ScalarsOf(message);
+  if (!scalars) return Fail(ErrorCode::kCorrupt, "status with a scalar that cannot be");
   ProcessStatus status;
+  status.scalars = std::move(*scalars);
   status.role = static_cast<dds::Role>(message.role);
   status.index = message.index;
   status.pid = message.pid;

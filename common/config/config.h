@@ -65,7 +65,7 @@ struct ModelConfig {
 };
 
 struct AlgorithmConfig {
-  std::string name = "sac";
+  std::string name = "dadrl";
   int batch_size = 64;
   double gamma = 0.998;  // per decision
   int n_step = 3;        // decisions

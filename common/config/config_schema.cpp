@@ -86,7 +86,9 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("model.log_std_max", c.model.log_std_max, 0, 10,
         "Upper clamp of the policy's log standard deviation");
   AlgorithmConfig& a = c.algorithm;
-  b.Add("algorithm.name", a.name, "Learning algorithm: sac");
+  b.Add("algorithm.name", a.name,
+        "Learning algorithm (dadrl algorithms lists them); its preset stands between the defaults and "
+        "--config");
   b.Add("algorithm.batch_size", a.batch_size, 16, 4096, "Transitions an update; a multiple of 16");
   b.Add("algorithm.gamma", a.gamma, 0, 1, "Discount per decision");
   b.Add("algorithm.n_step", a.n_step, 1, 32, "Decisions summed before bootstrapping");

@@ -73,15 +73,6 @@ Status CheckBatch(const Config& config) {
       batch, bytes, kMaxBatchBytes);
 }
 
-Status CheckAlgorithm(const Config& config) {
-  const AlgorithmConfig& algorithm = config.algorithm;
-  if (algorithm.name != "sac") {
-    return Fail(ErrorCode::kInvalidArgument, "algorithm.name: '{}' is unknown; there is: sac",
-                algorithm.name);
-  }
-  return CheckBatch(config);
-}
-
 Status CheckStore(const Config& config) {
   const ReplayConfig& replay = config.replay;
   if (replay.segment_bytes > replay.max_disk_bytes) {
@@ -186,7 +177,7 @@ Status CheckCluster(const ClusterConfig& cluster) {
 Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckTask(config));
   DADRL_RETURN_IF_ERROR(CheckModel(config.model));
-  DADRL_RETURN_IF_ERROR(CheckAlgorithm(config));
+  DADRL_RETURN_IF_ERROR(CheckBatch(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));
   DADRL_RETURN_IF_ERROR(CheckDraws(config));

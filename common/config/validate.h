@@ -1,4 +1,5 @@
-// Checks that involve more than one key; ranges of single keys are in config_schema.cpp.
+// Checks that involve more than one key; ranges of single keys are in config_schema.cpp, what a learning
+// algorithm needs is checked by learner/algorithms/registry.h, where it is made.
 #pragma once
 
 #include "common/config/config.h"

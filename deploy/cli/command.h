@@ -29,6 +29,7 @@ Command MakeReplayCommand(CLI::App& dadrl);
 Command MakeExportCommand(CLI::App& dadrl);
 Command MakeActCommand(CLI::App& dadrl);
 Command MakePoliciesCommand(CLI::App& dadrl);
+Command MakeAlgorithmsCommand(CLI::App& dadrl);
 
 // Options shared by commands that take a configuration.
 struct ConfigOptions {
@@ -38,6 +39,8 @@ struct ConfigOptions {
   void AddTo(CLI::App& app);
   // Overlays file, then sets, on `base`.
   Result<Config> Apply(Config base) const;
+  // The same on the defaults and, over these, the preset of the algorithm that file or sets name.
+  Result<Config> ApplyToPreset() const;
 };
 
 }  // namespace dadrl

@@ -21,7 +21,7 @@ Command MakeConfigCommand(CLI::App& dadrl) {
   app->add_flag("--explain", options->explain, "With meaning and range of each key");
   options->config.AddTo(*app);
   return {app, [options]() -> Result<int> {
-            DADRL_ASSIGN_OR_RETURN(const Config config, options->config.Apply(Config{}));
+            DADRL_ASSIGN_OR_RETURN(const Config config, options->config.ApplyToPreset());
             DADRL_RETURN_IF_ERROR(Validate(config));
             fmt::print("{}", ToYaml(config, options->explain));
             return 0;

@@ -1,5 +1,6 @@
 #include "common/config/config_yaml.h"
 #include "deploy/cli/command.h"
+#include "deploy/local/algorithm_presets.h"
 
 namespace dadrl {
 
@@ -16,6 +17,12 @@ Result<Config> ConfigOptions::Apply(Config base) const {
   if (!file.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(file, base));
   for (const std::string& assignment : sets) DADRL_RETURN_IF_ERROR(ApplyOverride(assignment, base));
   return base;
+}
+
+Result<Config> ConfigOptions::ApplyToPreset() const {
+  DADRL_ASSIGN_OR_RETURN(const Config named, Apply(Config{}));
+  DADRL_ASSIGN_OR_RETURN(Config preset, LoadPreset(named.algorithm.name));
+  return Apply(std::move(preset));
 }
 
 }  // namespace dadrl

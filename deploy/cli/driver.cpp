@@ -36,7 +36,7 @@ void DriverOptions::AddTo(CLI::App& app, const std::string& scenario_help) {
 }
 
 Result<Driver> DriverOptions::Resolve() const {
-  DADRL_ASSIGN_OR_RETURN(Config effective, config.Apply(Config{}));
+  DADRL_ASSIGN_OR_RETURN(Config effective, config.ApplyToPreset());
   DADRL_ASSIGN_OR_RETURN(std::string resolved, ResolvePolicy(policy));
   DADRL_ASSIGN_OR_RETURN(const std::optional<std::string> trained, TrainedScenario(resolved));
   if (scenario.empty() && !trained) {

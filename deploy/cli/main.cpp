@@ -45,7 +45,8 @@ int Main(int argc, char** argv) {
   const std::vector<Command> commands = {
       MakeTrainCommand(app),   MakeEvaluateCommand(app), MakeSelectCommand(app),   MakeRenderCommand(app),
       MakeMonitorCommand(app), MakeActorCommand(app),    MakeDoctorCommand(app),   MakeConfigCommand(app),
-      MakeExportCommand(app),  MakeActCommand(app),      MakePoliciesCommand(app), MakeReplayCommand(app)};
+      MakeExportCommand(app),  MakeActCommand(app),      MakePoliciesCommand(app), MakeAlgorithmsCommand(app),
+      MakeReplayCommand(app)};
   for (const std::string& name : UnknownVariables(environ)) {
     fmt::print(stderr,
                "dadrl: the environment variable {} is set, and nothing reads it (there are: {}, {}, {})\n",

@@ -47,7 +47,8 @@ ConfigOptions WithShortOptions(const TrainOptions& options) {
 
 // What the run shall do; for a resumed one, `saved` is what it did so far.
 Result<Config> EffectiveConfig(const TrainOptions& options, const std::optional<Config>& saved) {
-  DADRL_ASSIGN_OR_RETURN(Config config, WithShortOptions(options).Apply(saved.value_or(Config{})));
+  const ConfigOptions given = WithShortOptions(options);
+  DADRL_ASSIGN_OR_RETURN(Config config, saved ? given.Apply(*saved) : given.ApplyToPreset());
   if (saved) DADRL_RETURN_IF_ERROR(CheckResumable(*saved, config));
   DADRL_RETURN_IF_ERROR(CheckScenario(config.scenario));
   DADRL_RETURN_IF_ERROR(Validate(config));

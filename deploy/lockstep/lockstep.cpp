@@ -10,7 +10,7 @@
 #include "common/io/checksum.h"
 #include "common/util/log.h"
 #include "deploy/lockstep/in_process_ends.h"
-#include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/registry.h"
 #include "learner/checkpoint_store.h"
 #include "learner/checkpoint_writer.h"
 #include "learner/resume.h"
@@ -88,7 +88,7 @@ class Lockstep {
     return LockstepResult{.updates = updates_,
                           .episodes = driven.episodes,
                           .decisions = driven.decisions,
-                          .policy_hash = Xxh3(std::as_bytes(std::span(algorithm_->published_policy())))};
+                          .policy_hash = Xxh3(std::as_bytes(algorithm_->published_policy().parameters))};
   }
 
  private:

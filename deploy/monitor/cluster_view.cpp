@@ -8,7 +8,7 @@ namespace dadrl {
 namespace {
 
 constexpr size_t kRecentEpisodes = 100;
-// More than the largest cluster has; a status is less than a kilobyte.
+// More than the largest cluster has; a status is less than a kilobyte, its scalars less than two.
 constexpr size_t kMaxProcesses = 8192;
 // Messages of one process in a window, at the shortest interval, and a few more.
 constexpr size_t kMaxHistory = 256;
@@ -93,11 +93,7 @@ void AddLearner(const ProcessRow& row, ClusterSummary& summary) {
   summary.weights_version = row[Metric::kWeightsVersion];
   summary.staleness_versions = {row[Metric::kStalenessVersionsMean], row[Metric::kStalenessVersionsMax]};
   summary.staleness_s = {row[Metric::kStalenessSecondsMean], row[Metric::kStalenessSecondsMax]};
-  summary.critic_loss = row[Metric::kCriticLoss];
-  summary.actor_loss = row[Metric::kActorLoss];
-  summary.temperature = row[Metric::kTemperature];
-  summary.entropy = row[Metric::kEntropy];
-  summary.mean_q = row[Metric::kMeanQ];
+  summary.scalars = row.scalars;
 }
 
 void AddRecentEpisodes(const std::deque<EpisodeReport>& episodes, ClusterSummary& summary) {
@@ -165,6 +161,7 @@ bool ClusterView::Add(const ProcessStatus& status, TimePoint received) {
   }
   process.received = received;
   process.history.push_back(status);
+  if (!status.scalars.empty()) process.scalars = std::move(process.history.back().scalars);
   // Keeps one message at or before the window's start, so that the window is always covered.
   const double window_start_s = status.uptime_s - ToSeconds(window_);
   while (process.history.size() > 2 && process.history[1].uptime_s <= window_start_s) {
@@ -216,6 +213,7 @@ ProcessRow ClusterView::Row(const Key& key, const Process& process, TimePoint no
   row.restarts = process.restarts;
   row.steps_per_s = Rate(process, ProductOf(key.first), now);
   row.metrics = last.metrics;
+  row.scalars = process.scalars;
   // A single message has no earlier one to subtract: its totals since the start.
   row.share = Shares(process.history.size() > 1 ? process.history.front().activities : ActivityTotals{},
                      last.activities);

@@ -54,6 +54,7 @@ struct ProcessRow {
   ActivityTotals activities;                          // since it started
   std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
   std::vector<Fault> faults;
+  std::vector<NamedScalar> scalars;  // of the last message that had any
 
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
   double Share(Activity activity) const { return share[static_cast<size_t>(activity)]; }
@@ -88,12 +89,8 @@ struct ClusterSummary {
   // happened.
   std::map<std::string, double> rejected;
   std::vector<ProcessFault> faults;  // that last now, those that hold up training first
-  double critic_loss = 0.0;
-  double actor_loss = 0.0;
-  double temperature = 0.0;
-  double entropy = 0.0;
-  double mean_q = 0.0;
-  std::vector<Wait> waits;  // all that ever began; those that take most of the window first
+  std::vector<NamedScalar> scalars;  // the learner's, as its algorithm orders them
+  std::vector<Wait> waits;           // all that ever began; those that take most of the window first
   // Of the last (up to) 100 training episodes.
   int recent_episodes = 0;
   double recent_success = 0.0;
@@ -124,7 +121,8 @@ class ClusterView {
 
  private:
   struct Process {
-    std::deque<ProcessStatus> history;  // of the current incarnation, oldest first
+    std::deque<ProcessStatus> history;  // of the current incarnation, oldest first; without scalars
+    std::vector<NamedScalar> scalars;   // the last there were: an interval without an update has none
     TimePoint received{};
     int restarts = 0;
     // Counters of earlier incarnations, last heard values.

@@ -1,5 +1,6 @@
 #include "deploy/monitor/monitor_json.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dadrl {
@@ -25,6 +26,7 @@ Json ProcessJson(const ProcessRow& row) {
     if (row.metrics[i] != 0.0)
       metrics[std::string(MetricName(static_cast<Metric>(i)))] = Finite(row.metrics[i]);
   }
+  for (const NamedScalar& scalar : row.scalars) metrics.emplace(scalar.name, Finite(scalar.value));
   return {{"name", row.name},
           {"pid", row.pid},
           {"stale", row.stale},
@@ -48,6 +50,19 @@ Json FaultsJson(const std::vector<ProcessFault>& faults) {
                     {"since_s", Finite(fault.fault.since_s)}});
   }
   return rows;
+}
+
+// Under the names that the algorithm declares; "critic_loss" is "critic" here, unless that is another scalar.
+Json LossesJson(const std::vector<NamedScalar>& scalars) {
+  constexpr std::string_view kLoss = "_loss";
+  Json json = Json::object();
+  for (const NamedScalar& scalar : scalars) {
+    std::string key = scalar.name;
+    if (key.ends_with(kLoss)) key.resize(key.size() - kLoss.size());
+    const bool taken = key.empty() || std::ranges::find(scalars, key, &NamedScalar::name) != scalars.end();
+    json[taken ? scalar.name : key] = Finite(scalar.value);
+  }
+  return json;
 }
 
 Json ScenariosJson(const std::map<std::string, RecentRate>& scenarios) {
@@ -89,12 +104,7 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"rejected", summary.rejected},
           {"faults", FaultsJson(summary.faults)},
           {"bottleneck", bottleneck},
-          {"losses",
-           {{"critic", Finite(summary.critic_loss)},
-            {"actor", Finite(summary.actor_loss)},
-            {"temperature", Finite(summary.temperature)},
-            {"entropy", Finite(summary.entropy)},
-            {"mean_q", Finite(summary.mean_q)}}},
+          {"losses", LossesJson(summary.scalars)},
           {"recent_episodes",
            {{"count", summary.recent_episodes},
             {"success", Finite(summary.recent_success)},

@@ -105,8 +105,8 @@ void AddReplay(const ClusterSummary& s, Lines& lines) {
 
 void AddLearner(const ClusterSummary& s, Lines& lines) {
   lines.Add(3,
-            fmt::format("  learner     {} updates, {:.1f} updates/s, critic loss {:.3g}, temperature {:.3g}",
-                        Thousands(s.updates), s.updates_per_s, s.critic_loss, s.temperature));
+            fmt::format("  learner     {} updates, {:.1f} updates/s", Thousands(s.updates), s.updates_per_s));
+  if (!s.scalars.empty()) lines.Add(7, "  training    " + ScalarsText(s.scalars));
   lines.Add(10, fmt::format("  weights     version {:.0f}, staleness mean {:.1f} max {:.0f} versions, "
                             "mean {:.1f} max {:.0f} s",
                             s.weights_version, s.staleness_versions.mean, s.staleness_versions.max,

@@ -1,28 +1,26 @@
-// What the learner process needs of a learning algorithm: SAC first, others beside it.
+// What the learner process needs of a learning algorithm: each declares what it needs and reports, and the
+// rest of the system asks for that, never for its name.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "common/config/config.h"
 #include "common/model/named_network.h"
 #include "common/step/trajectory_batch.h"
 #include "common/util/result.h"
+#include "learner/algorithms/scalar.h"
 
 namespace dadrl {
 
-// Scalars of one update, for logs and telemetry.
-struct UpdateStats {
-  double critic_loss = 0.0;
-  double actor_loss = 0.0;
-  double temperature = 0.0;
-  double temperature_loss = 0.0;
-  double entropy = 0.0;  // estimate, -mean log pi
-  double mean_q = 0.0;
-  double mean_target = 0.0;
+// Fixed for an algorithm's life, and known from the configuration alone.
+struct AlgorithmSpec {
+  std::span<const ScalarSpec> scalars;  // of each update; of static storage
+  bool gives_priorities = false;        // of the samples of each batch
+  // Actors begin with its untrained policy, version 1 is published before the first update; otherwise they
+  // drive at random until it.
+  bool acts_from_start = false;
 };
 
 // A named span of the algorithm's state, saved and restored as raw bytes by the checkpoint.
@@ -36,29 +34,28 @@ class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
+  virtual const AlgorithmSpec& spec() const = 0;
   // What it trains on.
   virtual TrajectoryShape batch_shape() const = 0;
 
   // One training update, on a batch of that shape. Same state and batch give the same bits for a given thread
   // count. Errors are kInternal and name the tensor or loss that is not finite; the state is then unusable:
-  // reload a checkpoint. `td_error` ([batch], |error| of the critics' mean) is valid until the next Update.
-  virtual Result<UpdateStats> Update(const TrajectoryBatch& batch) = 0;
-  virtual std::span<const float> td_error() const = 0;
+  // reload a checkpoint.
+  virtual Status Update(const TrajectoryBatch& batch) = 0;
+  // Of the last Update, in the order of spec().scalars; NaN: it had none. Valid until the next one.
+  virtual std::span<const double> scalars() const = 0;
+  // Of the last Update: [batch], not negative; empty unless spec().gives_priorities. Valid until the next
+  // one.
+  virtual std::span<const float> priorities() const = 0;
 
-  // The policy that actors use, flat (see ActingPolicy): averaged or current as configured. Valid until
-  // Update.
-  virtual std::span<const float> published_policy() const = 0;
-  virtual uint64_t layout_hash() const = 0;
-  // What policy files carry, valid until Update: the published policy as kPolicyNetwork first, and whatever
-  // else there is to show of what was learnt.
+  // What policy files carry, valid until Update: the policy that actors use as kPolicyNetwork first (averaged
+  // or current as configured), and whatever else there is to show of what was learnt.
   virtual std::vector<NamedNetwork> networks() const = 0;
+  NamedNetwork published_policy() const { return networks().front(); }
 
   // Everything that a resumed training needs, in a fixed order: parameters, targets, optimiser moments,
   // temperature, counters, random state. Writing the bytes back restores it exactly.
   virtual std::vector<StateBlock> state() = 0;
 };
-
-// kInvalidArgument for an unknown algorithm.name.
-Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config);
 
 }  // namespace dadrl

@@ -12,6 +12,17 @@ using nn::kLanes;
 
 namespace {
 
+// In the order in which Finish fills them.
+constexpr std::array kScalars = {
+    ScalarSpec{"critic_loss", "loss/critic", ScalarKind::kSquaredError},
+    ScalarSpec{"actor_loss", "loss/actor"},
+    ScalarSpec{"temperature_loss", "loss/temperature"},
+    ScalarSpec{"temperature", "policy/temperature", ScalarKind::kTemperature},
+    ScalarSpec{"entropy", "policy/entropy"},  // estimate, -mean log pi
+    ScalarSpec{"mean_q", "value/mean_q", ScalarKind::kValue},
+    ScalarSpec{"mean_target", "value/mean_target", ScalarKind::kValue},
+};
+
 int Blocks(int samples) { return (samples + kLanes - 1) / kLanes; }
 
 std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& policy,
@@ -31,6 +42,7 @@ std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& 
 
 Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
     : config_(config),
+      declared_(SpecOf(config)),
       spec_(DrivingShape::From(config.observation)),
       policy_(spec_, config.model),
       critic_(spec_, config.model),
@@ -68,13 +80,14 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
   }
 }
 
-std::span<const float> Sac::published_policy() const {
-  return config_.learner.publish == PublishedPolicy::kAveraged ? average_parameters_.span()
-                                                               : policy_parameters_.span();
+AlgorithmSpec Sac::SpecOf(const Config&) {
+  return {.scalars = kScalars, .gives_priorities = true, .acts_from_start = false};
 }
 
 std::vector<NamedNetwork> Sac::networks() const {
-  return {{kPolicyNetwork, policy_.layout.hash(), published_policy()},
+  const bool averaged = config_.learner.publish == PublishedPolicy::kAveraged;
+  const nn::FloatBuffer& published = averaged ? average_parameters_ : policy_parameters_;
+  return {{kPolicyNetwork, policy_.layout.hash(), published.span()},
           {kCriticNetwork, critic_.layout.hash(), critic_parameters_.span()}};
 }
 
@@ -131,9 +144,9 @@ const uint8_t* Sac::WholeBlocks(ColumnRows observations, std::vector<uint8_t>& p
   return padded.data();
 }
 
-Result<UpdateStats> Sac::Update(const TrajectoryBatch& batch) { return Update(returns_.Of(batch)); }
+Status Sac::Update(const TrajectoryBatch& batch) { return Update(returns_.Of(batch)); }
 
-Result<UpdateStats> Sac::Update(const Transitions& batch) {
+Status Sac::Update(const Transitions& batch) {
   td_error_count_ = 0;
   DADRL_RETURN_IF_ERROR(CheckBatch(batch));
   const int size = batch.size();
@@ -166,22 +179,18 @@ bool Sac::AllStepsFinite() const {
   return std::ranges::all_of(workspaces_, [](const SacWorkspace& workspace) { return workspace.finite; });
 }
 
-Result<UpdateStats> Sac::Finish(int batch_size) {
+Status Sac::Finish(int batch_size) {
   const double scale = 1.0 / batch_size;
   const SacSums sums = TotalSums();
-  UpdateStats stats;
-  stats.critic_loss = scale * (sums.weighted_squares1 + sums.weighted_squares2);
-  stats.actor_loss = scale * sums.actor;
-  stats.entropy = -scale * sums.log_probability;
-  stats.mean_q = scale * sums.q;
-  stats.mean_target = scale * sums.target;
-  if (!std::isfinite(stats.critic_loss)) {
-    return Fail(ErrorCode::kInternal, "critic loss is not finite ({}) in update {}", stats.critic_loss,
+  const double critic_loss = scale * (sums.weighted_squares1 + sums.weighted_squares2);
+  const double actor_loss = scale * sums.actor;
+  const double entropy = -scale * sums.log_probability;
+  if (!std::isfinite(critic_loss)) {
+    return Fail(ErrorCode::kInternal, "critic loss is not finite ({}) in update {}", critic_loss,
                 updates_ + 1);
   }
-  if (!std::isfinite(stats.actor_loss)) {
-    return Fail(ErrorCode::kInternal, "actor loss is not finite ({}) in update {}", stats.actor_loss,
-                updates_ + 1);
+  if (!std::isfinite(actor_loss)) {
+    return Fail(ErrorCode::kInternal, "actor loss is not finite ({}) in update {}", actor_loss, updates_ + 1);
   }
   if (!AllStepsFinite()) {
     const std::string_view policy = policy_.layout.FirstNonFinite(policy_parameters_.span());
@@ -189,17 +198,20 @@ Result<UpdateStats> Sac::Finish(int batch_size) {
     return Fail(ErrorCode::kInternal, "parameter {} {} is not finite after update {}",
                 policy.empty() ? "critic" : "policy", policy.empty() ? critic : policy, updates_ + 1);
   }
-  const double gap = config_.algorithm.target_entropy - stats.entropy;  // mean of log pi + target entropy
-  stats.temperature_loss = -log_alpha_.value * gap;
+  const double gap = config_.algorithm.target_entropy - entropy;  // mean of log pi + target entropy
+  const double temperature_loss = -log_alpha_.value * gap;
   ++updates_;
   nn::ApplyAdam({.learning_rate = config_.algorithm.temperature_learning_rate,
                  .epsilon = config_.algorithm.adam_epsilon},
                 -gap, updates_, log_alpha_);
-  stats.temperature = std::exp(log_alpha_.value);
-  if (!std::isfinite(stats.temperature)) {
+  const double temperature = std::exp(log_alpha_.value);
+  if (!std::isfinite(temperature)) {
     return Fail(ErrorCode::kInternal, "temperature is not finite after update {}", updates_);
   }
-  return stats;
+  scalars_ = {critic_loss, actor_loss,     temperature_loss,   temperature,
+              entropy,     scale * sums.q, scale * sums.target};
+  static_assert(kScalars.size() == std::tuple_size_v<decltype(scalars_)>);
+  return {};
 }
 
 }  // namespace dadrl

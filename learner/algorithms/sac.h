@@ -2,10 +2,12 @@
 // passes.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/nn/thread_team.h"
 #include "learner/algorithms/algorithm.h"
 #include "learner/algorithms/n_step.h"
@@ -31,16 +33,18 @@ class Sac final : public Algorithm {
   // Draws its noise from `noise`, or from a generator seeded by config.seed if null.
   explicit Sac(const Config& config, std::unique_ptr<NoiseSource> noise = nullptr);
 
+  static AlgorithmSpec SpecOf(const Config& config);
+  const AlgorithmSpec& spec() const override { return declared_; }
   TrajectoryShape batch_shape() const override {
     return {.count = config_.algorithm.batch_size, .steps = config_.algorithm.n_step};
   }
   // Batches of up to algorithm.batch_size trajectories; kInvalidArgument beyond.
-  Result<UpdateStats> Update(const TrajectoryBatch& batch) override;
+  Status Update(const TrajectoryBatch& batch) override;
   // The update itself.
-  Result<UpdateStats> Update(const Transitions& batch);
-  std::span<const float> td_error() const override { return {td_error_.data(), td_error_count_}; }
-  std::span<const float> published_policy() const override;
-  uint64_t layout_hash() const override { return policy_.layout.hash(); }
+  Status Update(const Transitions& batch);
+  std::span<const double> scalars() const override { return scalars_; }
+  // |error| of the critics' mean.
+  std::span<const float> priorities() const override { return {td_error_.data(), td_error_count_}; }
   std::vector<NamedNetwork> networks() const override;
   std::vector<StateBlock> state() override;
 
@@ -63,11 +67,12 @@ class Sac final : public Algorithm {
 
   Status CheckBatch(const Transitions& batch) const;
   const uint8_t* WholeBlocks(ColumnRows observations, std::vector<uint8_t>& padded) const;
-  Result<UpdateStats> Finish(int batch_size);
+  Status Finish(int batch_size);
 
   bool shared() const { return config_.model.encoders == EncoderSharing::kShared; }
 
   Config config_;
+  AlgorithmSpec declared_;
   DrivingShape spec_;
   PolicyNetwork policy_;
   CriticNetwork critic_;
@@ -89,6 +94,7 @@ class Sac final : public Algorithm {
   double alpha_ = 0.0;
   std::vector<float> next_noise_;  // [batch, 2]
   std::vector<float> now_noise_;   // [batch, 2]
+  std::array<double, 7> scalars_{};
   std::vector<float> td_error_;
   size_t td_error_count_ = 0;
   std::vector<uint8_t> padded_now_;  // context planes of a batch that is no multiple of sixteen

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/registry.h"
 #include "tests/bench/core_peak.h"
 #include "tests/bench/help.h"
 #include "tests/bench/network_flops.h"

@@ -1,7 +1,9 @@
 // A learning algorithm of a few numbers: its state depends on every batch, on the order of batches and on its
-// random generator, so that a resume that forgets anything shows in the bits.
+// random generator, so that a resume that forgets anything shows in the bits. It reports scalars that no
+// other algorithm has; the second of them in every other update.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -17,9 +19,14 @@ class FakeAlgorithm final : public Algorithm {
   explicit FakeAlgorithm(size_t parameters = 200, uint64_t seed = 3)
       : policy_(parameters, 0.1f), moment_(parameters, 0.0f), random_(Random(seed).state()) {}
 
-  Result<UpdateStats> Update(const TrajectoryBatch& batch) override {
+  static constexpr std::array kScalars = {ScalarSpec{"fit", "loss/fit", ScalarKind::kSquaredError},
+                                          ScalarSpec{"halting", "toy/halting"}};
+
+  const AlgorithmSpec& spec() const override { return spec_; }
+  TrajectoryShape batch_shape() const override { return {.count = 16}; }
+  Status Update(const TrajectoryBatch& batch) override {
     if (fail_at_ != 0 && updates_ + 1 == fail_at_) {
-      return Fail(ErrorCode::kInternal, "critic loss is not finite (nan) in update {}", fail_at_);
+      return Fail(ErrorCode::kInternal, "fit is not finite (nan) in update {}", fail_at_);
     }
     ++updates_;
     Random random(random_);
@@ -32,15 +39,16 @@ class FakeAlgorithm final : public Algorithm {
       loss += gradient * gradient;
     }
     random_ = random.state();
-    td_error_.assign(static_cast<size_t>(batch.shape.count), static_cast<float>(updates_));
+    if (spec_.gives_priorities) {
+      priorities_.assign(static_cast<size_t>(batch.shape.count), static_cast<float>(updates_));
+    }
     if (updates_ == run_away_at_) loss = 1e57;
-    return UpdateStats{.critic_loss = loss, .temperature = 0.05};
+    scalars_ = {loss, updates_ % 2 == 0 ? static_cast<double>(updates_) : std::nan("")};
+    return {};
   }
-  TrajectoryShape batch_shape() const override { return {.count = 16}; }
-  std::span<const float> td_error() const override { return td_error_; }
-  std::span<const float> published_policy() const override { return policy_; }
-  uint64_t layout_hash() const override { return 0xfa4e; }
-  std::vector<NamedNetwork> networks() const override { return {{kPolicyNetwork, layout_hash(), policy_}}; }
+  std::span<const double> scalars() const override { return scalars_; }
+  std::span<const float> priorities() const override { return priorities_; }
+  std::vector<NamedNetwork> networks() const override { return {{kPolicyNetwork, 0xfa4e, policy_}}; }
   std::vector<StateBlock> state() override {
     return {{"policy", std::as_writable_bytes(std::span(policy_))},
             {"moment", std::as_writable_bytes(std::span(moment_))},
@@ -48,6 +56,8 @@ class FakeAlgorithm final : public Algorithm {
             {"random", std::as_writable_bytes(std::span(&random_, 1))}};
   }
 
+  void GiveNoPriorities() { spec_.gives_priorities = false; }
+  void ActFromStart() { spec_.acts_from_start = true; }
   // The update of this number (counted from 1) fails as one with a NaN does.
   void FailAt(uint64_t update) { fail_at_ = update; }
   // The update of this number reports a loss that no rewards account for.
@@ -56,9 +66,11 @@ class FakeAlgorithm final : public Algorithm {
   void SpoilPolicy() { policy_[7] = std::nanf(""); }
 
  private:
+  AlgorithmSpec spec_{.scalars = kScalars, .gives_priorities = true, .acts_from_start = false};
+  std::array<double, kScalars.size()> scalars_{};
   std::vector<float> policy_;
   std::vector<float> moment_;
-  std::vector<float> td_error_;
+  std::vector<float> priorities_;
   uint64_t updates_ = 0;
   Random::State random_;
   uint64_t fail_at_ = 0;

@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/io/read_file.h"
 #include "common/model/acting_policy.h"
 #include "common/model/critic_values.h"
 #include "common/model/policy_file.h"
+#include "learner/algorithms/registry.h"
+#include "learner/training_log.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 #include "tests/learner/test_learner.h"
@@ -48,8 +51,8 @@ TEST_P(SacTrainingTest, ResumedTrainingEqualsAnUninterruptedOneBitForBit) {
   ASSERT_NE(StateOf(*second.algorithm), StateOf(*whole.algorithm));
   second.Steps(kUpdates);
   EXPECT_EQ(StateOf(*second.algorithm), StateOf(*whole.algorithm));
-  EXPECT_THAT(second.algorithm->published_policy(),
-              testing::ElementsAreArray(whole.algorithm->published_policy()));
+  EXPECT_THAT(second.algorithm->published_policy().parameters,
+              testing::ElementsAreArray(whole.algorithm->published_policy().parameters));
 }
 
 TEST_P(SacTrainingTest, NaNInABatchEndsTheTrainingWithItsNameAndPublishesNothing) {
@@ -86,6 +89,20 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   const nn::ParamLayout layout = CriticNetwork(spec, policy->config.model).layout;
   ASSERT_TRUE(CheckLayout(*critic, path, layout.hash(), layout.size()));
   EXPECT_THAT(critic->parameters, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
+}
+
+// Runs of earlier versions are continued in the table that these began.
+TEST(SacTrainingLog, HasTheColumnsThatItAlwaysHad) {
+  const TemporaryFolder folder;
+  const SystemClock clock;
+  FaultBoard faults(clock);
+  const TrainingLog log(folder.path(), 0, Sac::SpecOf({}).scalars, faults);
+  EXPECT_EQ(
+      ReadTextFile(folder.path() / "logs" / "training.csv", 1 << 20).value(),
+      "wall_time_s,trained_s,updates,updates_per_s,critic_loss,actor_loss,temperature_loss,temperature,"
+      "entropy,"
+      "mean_q,mean_target,weights_version,staleness_versions_mean,staleness_versions_max,staleness_s_mean,"
+      "staleness_s_max,batch_mb_per_s,work_fraction,replay_frames\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(Encoders, SacTrainingTest,

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/model/policy_file.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/fake_algorithm.h"
@@ -98,12 +100,12 @@ class FailingTrainerTest : public TrainerTest {
 };
 
 TEST_F(FailingTrainerTest, UpdateThatFailsPublishesNothingAndKeepsTheLastCheckpoint) {
-  EXPECT_THAT(EndOf([](FakeAlgorithm& fake) { fake.FailAt(4); }), HasSubstr("critic loss is not finite"));
+  EXPECT_THAT(EndOf([](FakeAlgorithm& fake) { fake.FailAt(4); }), HasSubstr("fit is not finite"));
 }
 
 TEST_F(FailingTrainerTest, LossesThatRunAwayDoTheSame) {
   EXPECT_THAT(EndOf([](FakeAlgorithm& fake) { fake.RunAwayAt(4); }),
-              HasSubstr("the training has run away: in update 4 the critic loss is 1e+57"));
+              HasSubstr("the training has run away: in update 4 fit is 1e+57"));
 }
 
 TEST_F(TrainerTest, EndsWithTheReasonWhenNoBatchWillComeAnyMore) {
@@ -193,7 +195,7 @@ TEST_F(TrainerTest, ReportsWhatItWaitsForAndHowStaleTheExperienceIs) {
   const TrainingInterval interval = run.trainer->TakeInterval();
   EXPECT_EQ(interval.interval_updates, 1u);
   EXPECT_DOUBLE_EQ(interval.staleness.versions_max, 3.0);
-  EXPECT_GT(interval.mean.critic_loss, 0.0);
+  EXPECT_GT(interval.scalars[0], 0.0);
   run.batches.available = 0;
   ASSERT_EQ(run.trainer->RunStep(Duration::zero()).value(), Trainer::Step::kNoBatch);
   run.clock.Advance(3s);
@@ -211,6 +213,35 @@ TEST_F(TrainerTest, ReturnsPrioritiesOnlyToAPrioritisedSampler) {
   run.Steps(2);
   EXPECT_THAT(run.batches.priorities, testing::Each(2.0f));
   EXPECT_EQ(run.batches.priorities.size(), 16u);
+}
+
+TEST_F(TrainerTest, ReturnsNoPrioritiesOfAnAlgorithmThatGivesNone) {
+  config_.replay.sampler = SamplerKind::kPrioritized;
+  auto algorithm = std::make_unique<FakeAlgorithm>();
+  algorithm->GiveNoPriorities();
+  TestLearner run(config_, folder_.path(), false, 0, std::move(algorithm));
+  run.batches.priorities = {7.0f};
+  run.Steps(1);
+  EXPECT_THAT(run.batches.priorities, ElementsAre(7.0f));
+}
+
+TEST_F(TrainerTest, MeansAreOfTheUpdatesThatGaveTheScalar) {
+  TestLearner run(config_, folder_.path(), false);
+  run.Steps(1);
+  EXPECT_TRUE(std::isnan(run.trainer->TakeInterval().scalars[1]));
+  run.Steps(4);  // updates 2 to 5 give 2 and 4
+  EXPECT_DOUBLE_EQ(run.trainer->TakeInterval().scalars[1], 3.0);
+  EXPECT_TRUE(std::isnan(run.trainer->TakeInterval().scalars[0]));
+}
+
+TEST_F(TrainerTest, PublishesBeforeTheFirstUpdateWhereTheAlgorithmActsFromTheStart) {
+  auto algorithm = std::make_unique<FakeAlgorithm>();
+  algorithm->ActFromStart();
+  TestLearner run(config_, folder_.path(), false, 0, std::move(algorithm));
+  run.batches.available = 0;
+  ASSERT_EQ(run.trainer->RunStep(Duration::zero()).value(), Trainer::Step::kNoBatch);
+  EXPECT_THAT(run.publisher.versions, ElementsAre(1));
+  EXPECT_THAT(run.publisher.updates, ElementsAre(0));
 }
 
 TEST_F(TrainerTest, NewTrainingRefusesAFolderWithCheckpoints) {

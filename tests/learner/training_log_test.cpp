@@ -214,33 +214,37 @@ FaultBoard& Faults() {
   return board;
 }
 
+constexpr std::array kScalars = {ScalarSpec{"fit", "loss/fit"}, ScalarSpec{"rarity", "toy/rarity"}};
+
 TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   TemporaryFolder folder;
-  TrainingLog log(folder.path(), 25, Faults());
+  TrainingLog log(folder.path(), 25, kScalars, Faults());
   TrainingInterval interval;
   interval.updates = 50;
   interval.interval_updates = 25;
-  interval.mean.critic_loss = 0.125;
+  interval.scalars = {0.125, std::nan("")};
   log.Add(interval, {.wall_time_s = 10.0, .interval_s = 0.5, .batch_bytes = 2e6, .replay_frames = 3000});
   interval.interval_updates = 0;
+  interval.scalars = {std::nan(""), std::nan("")};
   log.Add(interval, {.wall_time_s = 10.5, .interval_s = 0.5});
 
   const std::string table = ReadTextFile(folder.path() / "logs" / "training.csv", kNoLimit).value();
-  EXPECT_THAT(table, HasSubstr("wall_time_s,trained_s,updates,updates_per_s,critic_loss,"));
-  EXPECT_THAT(table, HasSubstr("\n10,0,50,50,0.125,"));
-  EXPECT_THAT(table, HasSubstr("\n10.5,0,50,0,,"));
+  EXPECT_THAT(table, HasSubstr("wall_time_s,trained_s,updates,updates_per_s,fit,rarity,weights_version,"));
+  EXPECT_THAT(table, HasSubstr("\n10,0,50,50,0.125,,0,"));
+  EXPECT_THAT(table, HasSubstr("\n10.5,0,50,0,,,0,"));
   const auto file = std::filesystem::directory_iterator(folder.path() / "tensorboard")->path();
   const std::vector<Event> events = ReadEvents(file);
   ASSERT_EQ(events.size(), 4u);
-  EXPECT_EQ(events[2].scalars.at("loss/critic"), 0.125f);
+  EXPECT_EQ(events[2].scalars.at("loss/fit"), 0.125f);
+  EXPECT_FALSE(events[2].scalars.contains("toy/rarity"));
   EXPECT_EQ(events[2].scalars.at("speed/batch_mb_per_s"), 4.0f);
-  EXPECT_FALSE(events[3].scalars.contains("loss/critic"));
+  EXPECT_FALSE(events[3].scalars.contains("loss/fit"));
 }
 
 TEST(TrainingLog, StepsThatAKilledLearnerHadDoneAfterItsCheckpointAreShownOnce) {
   TemporaryFolder folder;
   const auto log_to = [&](uint64_t first, std::initializer_list<uint64_t> steps) {
-    TrainingLog log(folder.path(), first, Faults());
+    TrainingLog log(folder.path(), first, {}, Faults());
     for (const uint64_t step : steps) {
       TrainingInterval interval;
       interval.updates = step;
@@ -259,11 +263,11 @@ TEST(TrainingLog, ItsTimesNeverGoBackWhenTheClockDoes) {
     log.Add(TrainingInterval{}, {.wall_time_s = wall_time_s, .interval_s = 0.5});
   };
   {
-    TrainingLog log(folder.path(), 0, Faults());
+    TrainingLog log(folder.path(), 0, {}, Faults());
     add(log, 1795812345.125);
     add(log, 1795800000.0);
   }
-  TrainingLog resumed(folder.path(), 0, Faults());
+  TrainingLog resumed(folder.path(), 0, {}, Faults());
   add(resumed, 1795800000.5);
   add(resumed, 1795812400.0);
   std::ifstream table(folder.path() / "logs" / "training.csv");
@@ -286,7 +290,7 @@ TEST(TrainingLog, AFullDiskCostsRowsFromItsStartOnAndNothingHalfWrittenStays) {
   disk.Fill();
   ManualClock clock;
   FaultBoard faults(clock);
-  TrainingLog log(disk.path(), 0, faults);
+  TrainingLog log(disk.path(), 0, {}, faults);
   TrainingInterval interval;
   const auto add = [&] {
     ++interval.updates;

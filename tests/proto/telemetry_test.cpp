@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -27,6 +28,7 @@ ProcessStatus SomeStatus() {
   }
   status.faults = {{FaultKind::kExperience, "cannot write /a b/segment: No space left on device", 3.5},
                    {FaultKind::kState, "the same", 0.0}};
+  status.scalars = {{"value_loss", 0.5}, {std::string(kMaxScalarName, 'x'), -1e9}, {"q2", 0.0}};
   return status;
 }
 
@@ -59,6 +61,7 @@ void ExpectEqual(const ProcessStatus& a, const ProcessStatus& b) {
   EXPECT_EQ(a.metrics, b.metrics);
   EXPECT_EQ(a.activities, b.activities);
   EXPECT_EQ(a.faults, b.faults);
+  EXPECT_EQ(a.scalars, b.scalars);
 }
 
 TEST(MetricName, IsDifferentForEveryMetric) {
@@ -154,8 +157,7 @@ TEST(TelemetryPacket, RefusesValuesThatCannotBe) {
     return !DecodeStatusPacket(EncodePacket(changed));
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refuses([](ProcessStatus& s) { s[Metric::kMeanQ] = kNaN; }));
-  EXPECT_FALSE(refuses([](ProcessStatus& s) { s[Metric::kMeanQ] = -3.0; }));
+  EXPECT_TRUE(refuses([](ProcessStatus& s) { s[Metric::kUpdates] = kNaN; }));
   EXPECT_FALSE(refuses([](ProcessStatus& s) { s[Metric::kPolicyAgeS] = -0.1; }));
   EXPECT_TRUE(refuses([](ProcessStatus& s) { s[Metric::kEnvSteps] = -1.0; }));
   EXPECT_TRUE(refuses([](ProcessStatus& s) { s[Metric::kInsertedBytes] = 1e300; }));
@@ -184,6 +186,44 @@ TEST(TelemetryPacket, RefusesValuesThatCannotBe) {
   report = SomeReport();
   report.steps = 1'000'000;
   EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report)));
+}
+
+TEST(TelemetryPacket, LeavesOutScalarsThatNoReaderWouldTake) {
+  ProcessStatus status;
+  for (const double value : {std::nan(""), HUGE_VAL, -1e300}) status.scalars.push_back({"loss", value});
+  for (const char* name : {"", "Loss", "a b", "\x1b[2J", "übergang", "a_name_of_twenty_four_b_"}) {
+    status.scalars.push_back({name, 1.0});
+  }
+  EXPECT_TRUE(DecodeStatusPacket(EncodePacket(status))->scalars.empty());
+  for (int i = 0; i < 20; ++i) status.scalars.push_back({fmt::format("s{}", i), 1.0});
+  const auto scalars = DecodeStatusPacket(EncodePacket(status))->scalars;
+  ASSERT_EQ(scalars.size(), size_t{kMaxScalars});
+  EXPECT_EQ(scalars.back().name, "s15");
+}
+
+TEST(TelemetryPacket, RefusesForgedScalars) {
+  ProcessStatus status;
+  status.scalars = {{"one", 1.0}, {"two", 2.0}};
+  const std::vector<std::byte> whole = EncodePacket(status);
+  const size_t faults = 4 + ProcessStatus::kMaxFaults * (4 + 8 + ProcessStatus::kMaxFaultText + 1);
+  const size_t values = whole.size() - faults - 8 * size_t{kMaxScalars};
+  const size_t names = values - (kMaxScalarName + 1) * size_t{kMaxScalars};
+  const auto refuses = [&](size_t at, std::string_view bytes) {
+    std::vector<std::byte> forged = whole;
+    std::ranges::copy(std::as_bytes(std::span(bytes)), forged.begin() + static_cast<ptrdiff_t>(at));
+    return !DecodeStatusPacket(forged);
+  };
+  EXPECT_FALSE(refuses(names, "ten"));
+  EXPECT_TRUE(refuses(names, "\x1b[2"));
+  EXPECT_TRUE(refuses(names, "two")) << "twice";
+  EXPECT_TRUE(refuses(names, std::string_view("\0ne", 3)));
+  EXPECT_TRUE(refuses(names, std::string(kMaxScalarName + 1, 'x'))) << "without an end";
+  EXPECT_TRUE(refuses(values, "\x7f\xf0")) << "infinite";
+  const size_t count = 8 + 5 * 4;  // fingerprint, role, index, pid and two counts
+  EXPECT_FALSE(refuses(count, std::string_view("\0\0\0\1", 4)));
+  EXPECT_TRUE(refuses(count, std::string_view("\0\0\0\3", 4))) << "a third without a name";
+  EXPECT_TRUE(refuses(count, std::string_view("\0\0\0\x7f", 4)));
+  EXPECT_TRUE(refuses(count, "\xff\xff\xff\xff"));
 }
 
 TEST(TelemetryPacket, RefusesASenderThatCountsOtherMetrics) {

@@ -1,9 +1,14 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "common/config/config_schema.h"
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "deploy/local/executables.h"
+#include "learner/algorithms/registry.h"
 #include "tests/deploy/cli/run_command.h"
 #include "tests/paths.h"
 
@@ -61,11 +66,100 @@ TEST(ConfigCommand, EveryScenarioHasARecipeThatNamesIt) {
   }
 }
 
+TEST(Presets, ThereIsOneForEachAlgorithmAndItSetsOnlyWhatExists) {
+  std::vector<std::string> presets, algorithms;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(kConfigFolder) + "algorithms")) {
+    const std::string name = presets.emplace_back(entry.path().stem());
+    Config config;
+    config.algorithm.name = name;
+    const Status loaded = LoadYaml(entry.path(), config);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ(config.algorithm.name, name) << "a preset does not choose the algorithm";
+    const Status valid = Validate(config);
+    EXPECT_TRUE(valid) << valid.error().message;
+    const auto algorithm = FindAlgorithm(name);
+    ASSERT_TRUE(algorithm) << algorithm.error().message;
+    const Status checked = CheckNeeds(config, (*algorithm)->spec(config));
+    EXPECT_TRUE(checked) << checked.error().message;
+  }
+  for (const AlgorithmEntry& entry : Algorithms()) algorithms.emplace_back(entry.name);
+  EXPECT_THAT(presets, testing::UnorderedElementsAreArray(algorithms));
+}
+
+Config Effective(const std::vector<std::string>& options) {
+  std::vector<std::string> arguments = {"config"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const CommandOutput output = Dadrl(arguments);
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  Config config;
+  EXPECT_TRUE(ParseYaml(output.out, "output", config));
+  return config;
+}
+
+TEST(Presets, StandBetweenTheDefaultsAndWhatTheUserGives) {
+  const TemporaryFolder folder;
+  const std::string named = folder.path() / "named.yaml";
+  std::ofstream(named) << "algorithm:\n  name: sac\n";
+  const std::string whole = folder.path() / "whole.yaml";
+  std::ofstream(whole) << "algorithm:\n  name: sac\nmodel:\n  stae: true\n";
+  EXPECT_TRUE(Effective({}).model.stae);
+  EXPECT_FALSE(Effective({"--set", "algorithm.name=sac"}).model.stae);
+  EXPECT_FALSE(Effective({"--config", named}).model.stae);
+  EXPECT_TRUE(Effective({"--config", whole}).model.stae) << "as configurations written before presets";
+  EXPECT_TRUE(Effective({"--config", named, "--set", "model.stae=true"}).model.stae);
+  EXPECT_TRUE(Effective({"--config", named, "--set", "algorithm.name=dadrl"}).model.stae);
+  EXPECT_EQ(Effective({"--config", named}).algorithm.name, "sac");
+}
+
+TEST(Presets, AreNotForARunThatIsResumed) {
+  const TemporaryFolder folder;
+  Config config;
+  config.algorithm.name = "sac";  // with attention: as runs did before there were presets
+  std::ofstream(folder.path() / "config.yaml") << ToYaml(config, false);
+  const std::vector<std::string> resume = {"train", "--resume", "--run-dir", folder.path(), "--set"};
+  const auto refusal = [&](const std::string& set) {
+    std::vector<std::string> arguments = resume;
+    arguments.push_back(set);
+    return Dadrl(arguments).err;
+  };
+  // Not model.stae, which comes before it.
+  EXPECT_THAT(refusal("algorithm.gamma=0.5"), HasSubstr("cannot change algorithm.gamma from 0.998 to 0.5"));
+  EXPECT_THAT(refusal("algorithm.name=dadrl"), HasSubstr("cannot change algorithm.name from sac to dadrl"));
+}
+
+TEST(AlgorithmsCommand, ListsEachWithASentenceAndWhatItReports) {
+  const CommandOutput text = Dadrl({"algorithms"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  const CommandOutput output = Dadrl({"algorithms", "--json"});
+  EXPECT_EQ(output.exit_code, 0);
+  const auto rows = nlohmann::json::parse(output.out)["algorithms"];
+  ASSERT_EQ(rows.size(), Algorithms().size());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i]["name"], Algorithms()[i].name);
+    EXPECT_THAT(text.out, HasSubstr(Algorithms()[i].sentence));
+  }
+  EXPECT_EQ(rows[0]["scalars"][0], "critic_loss");
+  EXPECT_EQ(rows[0]["gives_priorities"], true);
+}
+
+TEST(AlgorithmsCommand, AnUnknownNameIsRefusedByWhateverTakesAConfiguration) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"config"},
+        {"train", "left_turn"},
+        {"evaluate", "--policy", "random", "--scenario", "left_turn"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"--set", "algorithm.name=dadlr"});
+    const CommandOutput output = Dadrl(arguments);
+    EXPECT_EQ(output.exit_code, 2);
+    EXPECT_THAT(output.err, HasSubstr("'dadlr' is unknown; the nearest is 'dadrl' (there are: dadrl, sac)"));
+  }
+}
+
 TEST(Help, NamesEveryCommandAndTheVersion) {
   const CommandOutput help = Dadrl({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command :
-       {"train", "evaluate", "monitor", "actor", "doctor", "config", "export", "act", "policies"}) {
+  for (const char* command : {"train", "evaluate", "monitor", "actor", "doctor", "config", "export", "act",
+                              "policies", "algorithms"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
   }
   const CommandOutput version = Dadrl({"--version"});

@@ -55,6 +55,14 @@ TEST(Panel, ShowsScenariosApartWhenThereAreSeveral) {
   EXPECT_EQ(MonitorJson(progress.summary, "")["recent_episodes"]["scenarios"]["left_turn"]["count"], 60);
 }
 
+TEST(Panel, ShowsWhateverScalarsTheAlgorithmReports) {
+  Progress progress = Sample();
+  EXPECT_THAT(RenderPanel(progress, {}), Not(testing::Contains(HasSubstr("  training    "))));
+  progress.summary.scalars = {{"clip_fraction", 0.125}, {"value_loss", 1234.5}};
+  EXPECT_THAT(RenderPanel(progress, {}),
+              testing::Contains("  training    clip fraction 0.125, value loss 1.23e+03"));
+}
+
 // As many lines as there can be, each longer than any terminal here.
 Progress Busy(int actors) {
   Progress progress = Sample();
@@ -66,6 +74,7 @@ Progress Busy(int actors) {
   progress.show_processes = true;
   ClusterSummary& s = progress.summary;
   s.snapshot_bytes = 1e9;
+  s.scalars.assign(16, {std::string(23, 's'), 1.0});
   s.rejected = {{std::string(300, 'k'), 2}};
   s.recent_scenarios = {{std::string(300, 'a'), {60, 0.95}}, {"übergang", {60, 0.95}}};
   const auto add = [&](dds::Role role, int index, const std::string& name) {
@@ -322,7 +331,8 @@ TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
   summary.inserted_mb_per_s = 1.5;
   summary.sampled_mb_per_s = 3.0;
   summary.staleness_versions = {2.0, 7.0};
-  summary.critic_loss = std::numeric_limits<double>::quiet_NaN();
+  summary.scalars = {
+      {"critic_loss", 0.5}, {"temperature", 0.25}, {"temperature_loss", -1.0}, {"mean_q", 2.0}};
   summary.waits.push_back({"learner", "inserts", 0.25, {12, 3.5}});
   const auto json = MonitorJson(summary, "none");
   for (const char* key : {"env_steps_per_s", "inserted_frames_per_s", "sampled_transitions_per_s", "mb_per_s",
@@ -335,7 +345,10 @@ TEST(MonitorJson, HasTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(json["waits"][0]["for"], "inserts");
   EXPECT_EQ(json["waits"][0]["count"], 12);
   EXPECT_EQ(json["waits"][0]["seconds"], 3.5);
-  EXPECT_EQ(nlohmann::json::parse(json.dump())["losses"]["critic"], 0.0);
+  EXPECT_EQ(json["losses"].dump(),
+            R"({"critic":0.5,"temperature":0.25,"temperature_loss":-1.0,"mean_q":2.0})");
+  summary.scalars = {{"critic_loss", std::numeric_limits<double>::quiet_NaN()}};
+  EXPECT_EQ(nlohmann::json::parse(MonitorJson(summary, "").dump())["losses"]["critic"], 0.0);
 }
 
 }  // namespace

@@ -25,7 +25,12 @@ bool CheckStatus(std::span<const std::byte> packet) {
   Require(status->index >= 0 && status->index <= kMaxActorNumber);
   Require(std::isfinite(8192 * status->uptime_s) && status->uptime_s >= 0.0);
   for (const double metric : status->metrics) Require(std::isfinite(8192 * metric));
-  Require(DecodeStatusPacket(EncodePacket(*status)).has_value());
+  Require(status->scalars.size() <= size_t{kMaxScalars});
+  for (const NamedScalar& scalar : status->scalars) {
+    Require(IsScalarName(scalar.name) && std::isfinite(scalar.value));
+  }
+  const auto again = DecodeStatusPacket(EncodePacket(*status));
+  Require(again && again->scalars == status->scalars);
   return true;
 }
 
@@ -45,7 +50,7 @@ ProcessStatus Learner() {
   status.role = dds::Role::kLearner;
   status.pid = 4711;
   status.uptime_s = 12.5;
-  status[Metric::kMeanQ] = -1.5;
+  status.scalars = {{"critic_loss", 0.5}, {"mean_q", -1.5}};
   return status;
 }
 

@@ -62,6 +62,15 @@ inline TransitionBatch AnyBatch(const DrivingShape& spec, int size, uint64_t sal
   return batch;
 }
 
+// Of the last update.
+inline double ScalarOf(const Algorithm& algorithm, std::string_view name) {
+  const auto specs = algorithm.spec().scalars;
+  const auto found = std::ranges::find(specs, name, &ScalarSpec::name);
+  if (found != specs.end()) return algorithm.scalars()[static_cast<size_t>(found - specs.begin())];
+  ADD_FAILURE() << "no scalar " << name;
+  return 0.0;
+}
+
 inline std::span<std::byte> BlockOf(Algorithm& algorithm, const std::string& name) {
   for (const StateBlock& block : algorithm.state()) {
     if (block.name == name) return block.bytes;

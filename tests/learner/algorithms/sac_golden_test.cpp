@@ -88,14 +88,14 @@ void RunUpdates(Sac& sac, const Case& c) {
   for (int k = 0; k < c.updates; ++k) {
     const auto stats = sac.Update(BatchOf(k));
     ASSERT_TRUE(stats) << stats.error().message;
-    const double ours[] = {stats->critic_loss, stats->actor_loss, stats->temperature_loss, stats->temperature,
-                           stats->entropy,     stats->mean_q,     stats->mean_target};
-    for (size_t i = 0; i < std::size(ours); ++i) {
-      const double expected = static_cast<double>(losses[static_cast<size_t>(k) * std::size(ours) + i]);
-      EXPECT_NEAR(ours[i], expected, golden::kTolerance * std::max(1.0, std::abs(expected)))
-          << "update " << k << " statistic " << i;
+    auto loss = losses.begin() + static_cast<ptrdiff_t>(k) * std::ssize(sac.scalars());
+    for (const char* name : {"critic_loss", "actor_loss", "temperature_loss", "temperature", "entropy",
+                             "mean_q", "mean_target"}) {
+      const auto expected = static_cast<double>(*loss++);
+      EXPECT_NEAR(ScalarOf(sac, name), expected, golden::kTolerance * std::max(1.0, std::abs(expected)))
+          << "update " << k << " " << name;
     }
-    ExpectAgrees(sac.td_error(), std::span(errors).subspan(static_cast<size_t>(k) * kBatch, kBatch),
+    ExpectAgrees(sac.priorities(), std::span(errors).subspan(static_cast<size_t>(k) * kBatch, kBatch),
                  "td_error");
   }
 }

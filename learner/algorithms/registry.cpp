@@ -1,0 +1,59 @@
+#include "learner/algorithms/registry.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "common/config/config_schema.h"
+#include "common/util/shown.h"
+#include "learner/algorithms/sac.h"
+
+namespace dadrl {
+namespace {
+
+template <typename Kind>
+std::unique_ptr<Algorithm> Make(const Config& config) {
+  return std::make_unique<Kind>(config);
+}
+
+constexpr std::array kAlgorithms = {
+    AlgorithmEntry{"dadrl", "Soft actor-critic on the attention encoder and bird's-eye planes (the paper's)",
+                   Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",
+                   Sac::SpecOf, Make<Sac>},
+};
+
+std::vector<std::string> Names() {
+  std::vector<std::string> names;
+  for (const AlgorithmEntry& entry : kAlgorithms) names.emplace_back(entry.name);
+  return names;
+}
+
+}  // namespace
+
+std::span<const AlgorithmEntry> Algorithms() { return kAlgorithms; }
+
+Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name) {
+  const auto* const found = std::ranges::find(kAlgorithms, name, &AlgorithmEntry::name);
+  if (found != kAlgorithms.end()) return found;
+  return Fail(ErrorCode::kInvalidArgument,
+              "algorithm.name: '{}' is unknown; the nearest is '{}' (there are: {})", Shown(name),
+              NearestName(name, Names()), fmt::join(Names(), ", "));
+}
+
+Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
+  if (spec.gives_priorities || !UsesPriorities(config.replay)) return {};
+  const char* const key = ByPriority(config.replay.sampler) ? "replay.sampler" : "replay.remover";
+  return Fail(ErrorCode::kInvalidArgument,
+              "{} goes by priorities, and algorithm.name: {} gives none; set it to uniform or oldest_first",
+              key, config.algorithm.name);
+}
+
+Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config) {
+  DADRL_ASSIGN_OR_RETURN(const AlgorithmEntry* const entry, FindAlgorithm(config.algorithm.name));
+  DADRL_RETURN_IF_ERROR(CheckNeeds(config, entry->spec(config)));
+  return entry->make(config);
+}
+
+}  // namespace dadrl

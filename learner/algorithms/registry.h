@@ -1,0 +1,33 @@
+// Every learning algorithm by name: the one place that a new one is added to.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "common/config/config.h"
+#include "common/util/result.h"
+#include "learner/algorithms/algorithm.h"
+
+namespace dadrl {
+
+struct AlgorithmEntry {
+  std::string_view name;      // algorithm.name; its preset is deploy/config/algorithms/NAME.yaml
+  std::string_view sentence;  // what it is, for users
+  AlgorithmSpec (*spec)(const Config& config);
+  std::unique_ptr<Algorithm> (*make)(const Config& config);
+};
+
+std::span<const AlgorithmEntry> Algorithms();
+
+// kInvalidArgument with the nearest name and all of them when there is none of this name.
+Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name);
+
+// kInvalidArgument with key, value and remedy when `config` asks for what an algorithm of this `spec` does
+// not give.
+Status CheckNeeds(const Config& config, const AlgorithmSpec& spec);
+
+// That of algorithm.name; errors of both of the above.
+Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config);
+
+}  // namespace dadrl

@@ -1,0 +1,76 @@
+#include "learner/algorithms/registry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/config/config_schema.h"
+#include "proto/named_scalar.h"
+
+namespace dadrl {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+Config Small(std::string_view name) {
+  Config config;
+  config.algorithm.name = name;
+  config.algorithm.batch_size = 16;
+  config.model.hidden = 16;
+  return config;
+}
+
+TEST(Registry, EachAlgorithmIsMadeAndDeclaresWhatItsEntrySays) {
+  for (const AlgorithmEntry& entry : Algorithms()) {
+    const Config config = Small(entry.name);
+    const auto algorithm = MakeAlgorithm(config);
+    ASSERT_TRUE(algorithm) << algorithm.error().message;
+    const AlgorithmSpec said = entry.spec(config);
+    const AlgorithmSpec& declared = (*algorithm)->spec();
+    EXPECT_EQ(declared.scalars.data(), said.scalars.data()) << entry.name;
+    EXPECT_EQ(declared.gives_priorities, said.gives_priorities) << entry.name;
+    EXPECT_EQ(declared.acts_from_start, said.acts_from_start) << entry.name;
+    EXPECT_EQ((*algorithm)->scalars().size(), said.scalars.size()) << entry.name;
+    EXPECT_FALSE(entry.sentence.empty());
+  }
+}
+
+TEST(Registry, EveryScalarHasANameThatTelemetryCarries) {
+  for (const AlgorithmEntry& entry : Algorithms()) {
+    std::set<std::string_view> names, tags;
+    const AlgorithmSpec spec = entry.spec(Small(entry.name));
+    EXPECT_LE(std::ssize(spec.scalars), kMaxScalars) << entry.name;
+    for (const ScalarSpec& scalar : spec.scalars) {
+      EXPECT_TRUE(IsScalarName(scalar.name)) << scalar.name;
+      EXPECT_TRUE(names.insert(scalar.name).second) << scalar.name;
+      EXPECT_TRUE(tags.insert(scalar.tag).second) << scalar.tag;
+    }
+  }
+}
+
+TEST(Registry, AnUnknownNameIsRefusedWithTheNearest) {
+  const auto unknown = MakeAlgorithm(Small("sad"));
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(unknown.error().message, AllOf(HasSubstr("'sad'"), HasSubstr("the nearest is 'sac'"),
+                                             HasSubstr("there are: dadrl, sac")));
+  EXPECT_THAT(FindAlgorithm("\x1b[2J").error().message, HasSubstr("\\x1b"));
+}
+
+TEST(Registry, AReplayThatGoesByPrioritiesNeedsAnAlgorithmThatGivesThem) {
+  Config config;
+  EXPECT_TRUE(CheckNeeds(config, {}));
+  config.replay.max_items = 5000;
+  config.replay.remover = SamplerKind::kLowestPriority;
+  EXPECT_TRUE(CheckNeeds(config, {.scalars = {}, .gives_priorities = true, .acts_from_start = false}));
+  EXPECT_THAT(
+      CheckNeeds(config, {}).error().message,
+      HasSubstr("replay.remover goes by priorities, and algorithm.name: dadrl gives none; set it to"));
+  config.replay.sampler = SamplerKind::kPrioritized;
+  EXPECT_THAT(CheckNeeds(config, {}).error().message, testing::StartsWith("replay.sampler goes by"));
+}
+
+}  // namespace
+}  // namespace dadrl
