@@ -17,7 +17,7 @@
 #include "common/io/incarnation.h"
 #include "common/io/run_key.h"
 #include "common/liveness/working_thread.h"
-#include "common/model/acting_policy.h"
+#include "common/model/policy_model.h"
 #include "common/util/exit_code.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
@@ -58,11 +58,9 @@ class Actor {
   Status Run();
 
  private:
-  Actor(const CollectOptions& options, std::unique_ptr<Environment> environment)
-      : options_(options),
-        spec_(DrivingShape::From(options.config.observation)),
-        policy_(spec_, options.config.model),
-        environment_(std::move(environment)) {}
+  Actor(const CollectOptions& options, std::unique_ptr<PolicyModel> policy,
+        std::unique_ptr<Environment> environment)
+      : options_(options), policy_(std::move(policy)), environment_(std::move(environment)) {}
 
   Status TakeNumber();
   Status Connect();
@@ -76,10 +74,9 @@ class Actor {
   void WatchAddress();
 
   const CollectOptions options_;
-  const DrivingShape spec_;
   SystemClock clock_;
   TimeLedger ledger_{clock_};
-  ActingPolicy policy_;
+  std::unique_ptr<PolicyModel> policy_;
   std::unique_ptr<Environment> environment_;
   std::unique_ptr<dds::Node> node_;
   std::unique_ptr<TelemetryPublisher> publisher_;
@@ -95,8 +92,9 @@ class Actor {
 };
 
 Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
+  DADRL_ASSIGN_OR_RETURN(auto policy, MakePolicyModel(DrivingStepSpec(options.config), options.config.model));
   DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(options.config));
-  std::unique_ptr<Actor> actor(new Actor(options, std::move(environment)));
+  std::unique_ptr<Actor> actor(new Actor(options, std::move(policy), std::move(environment)));
   DADRL_RETURN_IF_ERROR(actor->TakeNumber());
   DADRL_RETURN_IF_ERROR(actor->Connect());
   return actor;
@@ -112,7 +110,7 @@ Status Actor::TakeNumber() {
   LeaseHolder::Options wanted{.token = KeptToken(options_.run_directory, name),
                               .start = NextIncarnation(options_.run_directory, name, WallTimeNs()),
                               .number = std::nullopt,
-                              .schema = SchemaHash(spec_)};
+                              .schema = SchemaHash(DrivingStepSpec(config))};
   if (!options_.any_number) wanted.number = static_cast<uint32_t>(options_.index);
   DADRL_ASSIGN_OR_RETURN(lease_, LeaseHolder::Create(*node_, wanted, clock_));
   WaitNotice notice;
@@ -135,14 +133,14 @@ Status Actor::Connect() {
   publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, identity_.number,
                                                            identity_.incarnation, lease_.get()));
-  DADRL_ASSIGN_OR_RETURN(weights_,
-                         WeightsSubscriber::Create(*node_, policy_.parameter_count(), policy_.layout_hash()));
+  const nn::ParamLayout& layout = policy_->layout();
+  DADRL_ASSIGN_OR_RETURN(weights_, WeightsSubscriber::Create(*node_, layout.size(), layout.hash()));
   DADRL_ASSIGN_OR_RETURN(driver_, ScriptedDriver::Make(config));
   collector_ = std::make_unique<Collector>(config,
                                            Collector::Parts{.environment = *environment_,
                                                             .sink = *writer_,
                                                             .policies = *weights_,
-                                                            .policy = policy_,
+                                                            .policy = *policy_,
                                                             .ledger = ledger_,
                                                             .clock = clock_,
                                                             .stop = shutdown_requested,

@@ -34,6 +34,7 @@ Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
   if (!ready) return std::nullopt;
   steps_before_ = progress().env_steps;
   random_actions_.Restart();
+  parts_.policy.BeginEpisode();
   if (parts_.driver != nullptr) parts_.driver->BeginEpisode(seed_);
   parts_.sink.BeginEpisode(episode_);
   while (WaitForRoom()) {

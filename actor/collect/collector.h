@@ -13,7 +13,7 @@
 #include "actor/environment.h"
 #include "actor/experience/experience_sink.h"
 #include "common/config/config.h"
-#include "common/model/acting_policy.h"
+#include "common/model/policy_model.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/random.h"
@@ -49,7 +49,7 @@ class Collector {
     Environment& environment;
     ExperienceSink& sink;
     PolicySource& policies;
-    ActingPolicy& policy;
+    PolicyModel& policy;
     TimeLedger& ledger;
     Clock& clock;
     const std::atomic<bool>& stop;

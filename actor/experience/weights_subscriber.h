@@ -18,7 +18,7 @@ namespace dadrl {
 // first of it is logged, and the policy in use stays.
 class WeightsSubscriber final : public PolicySource {
  public:
-  // `parameter_count`, `layout_hash`: of the ActingPolicy that will load them. Borrows `node`.
+  // `parameter_count`, `layout_hash`: of the PolicyModel that will load them. Borrows `node`.
   static Result<std::unique_ptr<WeightsSubscriber>> Create(const dds::Node& node, size_t parameter_count,
                                                            uint64_t layout_hash);
 

@@ -74,10 +74,11 @@ Result<PolicySetup> LoadLearnedPolicy(const std::filesystem::path& path, const C
   setup.config.task.decision_interval = file.config.task.decision_interval;
   setup.config.task.max_speed_mps = file.config.task.max_speed_mps;
   setup.config.algorithm.gamma = file.config.algorithm.gamma;
-  ActingPolicy acting(DrivingShape::From(setup.config.observation), setup.config.model);
-  DADRL_RETURN_IF_ERROR(CheckLayout(file.policy(), path, acting.layout_hash(), acting.parameter_count()));
-  DADRL_RETURN_IF_ERROR(acting.Load(file.policy().parameters));
-  setup.policy = std::make_unique<LearnedPolicy>(std::move(acting));
+  DADRL_ASSIGN_OR_RETURN(auto model,
+                         MakePolicyModel(DrivingShape::From(setup.config.observation), setup.config.model));
+  DADRL_RETURN_IF_ERROR(CheckLayout(file.policy(), path, model->layout().hash(), model->layout().size()));
+  DADRL_RETURN_IF_ERROR(model->Load(file.policy().parameters));
+  setup.policy = std::make_unique<LearnedPolicy>(std::move(model));
   return setup;
 }
 

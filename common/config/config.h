@@ -55,6 +55,7 @@ struct ObservationConfig {
 };
 
 struct ModelConfig {
+  std::string policy = "squashed_gaussian";  // what acts, and its distribution (common/model/policy_model.h)
   bool stae = true;
   bool context = true;
   EncoderSharing encoders = EncoderSharing::kSeparate;

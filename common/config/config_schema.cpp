@@ -75,6 +75,7 @@ void AddTask(SchemaBuilder& b, Config& c) {
 }
 
 void AddTraining(SchemaBuilder& b, Config& c) {
+  b.Add("model.policy", c.model.policy, "What acts: squashed_gaussian is a Gaussian through tanh");
   b.Add("model.stae", c.model.stae, "Spatio-temporal attention encoder; false is the paper's ablation");
   b.Add("model.context", c.model.context, "Bird's-eye context encoder; false is the paper's ablation");
   b.AddChoice("model.encoders", c.model.encoders, {"separate", "shared"},

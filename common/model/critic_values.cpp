@@ -33,32 +33,33 @@ nn::Arena ArenaFor(const CriticNetwork& network) {
   return nn::Arena(measure.used());
 }
 
-}  // namespace
+class CriticValues final : public ValueModel {
+ public:
+  CriticValues(const DrivingShape& spec, const ModelConfig& model)
+      : network_(spec, model),
+        kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+        arena_(ArenaFor(network_)),
+        block_(arena_, network_),
+        parameters_(network_.layout.size()) {}
 
-struct CriticValues::Impl {
-  Impl(const DrivingShape& spec, const ModelConfig& model)
-      : network(spec, model),
-        kernels(nn::LaneKernelsFor(nn::ActiveIsa())),
-        arena(ArenaFor(network)),
-        block(arena, network),
-        parameters(network.layout.size()) {}
+  const nn::ParamLayout& layout() const override { return network_.layout; }
+  Status Load(std::span<const float> parameters) override;
+  std::vector<Values> Evaluate(const Columns& observations, std::span<const float> actions) override;
 
-  CriticNetwork network;
-  const nn::LaneKernels& kernels;
-  nn::Arena arena;
-  Block block;
-  nn::FloatBuffer parameters;
-  std::array<uint8_t, size_t{kLanes} * DrivingShape::kContextBytes> context{};
+ private:
+  // Takes up to sixteen observations and actions from `first` on.
+  void Fill(const Columns& observations, std::span<const float> actions, int first, int count);
+
+  const CriticNetwork network_;
+  const nn::LaneKernels& kernels_;
+  nn::Arena arena_;
+  Block block_;
+  nn::FloatBuffer parameters_;
+  std::array<uint8_t, size_t{kLanes} * DrivingShape::kContextBytes> context_{};
 };
 
-CriticValues::CriticValues(const DrivingShape& spec, const ModelConfig& model)
-    : impl_(std::make_unique<Impl>(spec, model)) {}
-CriticValues::~CriticValues() = default;
-
-const nn::ParamLayout& CriticValues::layout() const { return impl_->network.layout; }
-
 Status CriticValues::Load(std::span<const float> parameters) {
-  const nn::ParamLayout& layout = impl_->network.layout;
+  const nn::ParamLayout& layout = network_.layout;
   if (parameters.size() != layout.size()) {
     return Fail(
         ErrorCode::kInvalidArgument,
@@ -68,34 +69,47 @@ Status CriticValues::Load(std::span<const float> parameters) {
   if (const std::string_view tensor = layout.FirstNonFinite(parameters); !tensor.empty()) {
     return Fail(ErrorCode::kCorrupt, "critic parameter {} is not finite: not loaded", tensor);
   }
-  std::ranges::copy(parameters, impl_->parameters.data());
+  std::ranges::copy(parameters, parameters_.data());
   return {};
 }
 
-void CriticValues::Evaluate(ColumnRows observations, std::span<const float> actions, std::span<float> q1,
-                            std::span<float> q2) {
-  Impl& impl = *impl_;
-  Block& block = impl.block;
-  const int features = impl.network.encoder.features();
-  const std::span<const uint8_t> context = observations.bits(impl.network.encoder.spec.context_column);
-  for (int first = 0; first < observations.rows(); first += kLanes) {
-    const int count = std::min(kLanes, observations.rows() - first);
-    const auto planes = context.subspan(static_cast<size_t>(first) * DrivingShape::kContextBytes,
-                                        static_cast<size_t>(count) * DrivingShape::kContextBytes);
-    std::ranges::fill(std::ranges::copy(planes, impl.context.begin()).out, impl.context.end(), uint8_t{0});
-    block.observations.Pack(impl.kernels, observations, impl.context.data(), first / kLanes);
-    EncoderForward(impl.kernels, impl.network.encoder, impl.parameters.data(), block.observations,
-                   block.encoder, block.input);
-    const float* action = &actions[static_cast<size_t>(first) * kActionSize];
-    for (int i = 0; i < count; ++i) {
-      for (int d = 0; d < kActionSize; ++d) block.input.From(features + d).data[i] = *action++;
-    }
-    for (const auto& [critic, values] :
-         {std::pair(&impl.network.critic1, q1), std::pair(&impl.network.critic2, q2)}) {
-      MlpForward(impl.kernels, *critic, impl.parameters.data(), block.input, 1, block.head, block.value);
-      std::copy_n(block.value.data, count, values.begin() + first);
+void CriticValues::Fill(const Columns& observations, std::span<const float> actions, int first, int count) {
+  const std::span<const uint8_t> context = observations.bits(network_.encoder.spec.context_column);
+  const auto planes = context.subspan(static_cast<size_t>(first) * DrivingShape::kContextBytes,
+                                      static_cast<size_t>(count) * DrivingShape::kContextBytes);
+  std::ranges::fill(std::ranges::copy(planes, context_.begin()).out, context_.end(), uint8_t{0});
+  block_.observations.Pack(kernels_, observations, context_.data(), first / kLanes);
+  EncoderForward(kernels_, network_.encoder, parameters_.data(), block_.observations, block_.encoder,
+                 block_.input);
+  const float* action = &actions[static_cast<size_t>(first) * kActionSize];
+  for (int i = 0; i < count; ++i) {
+    for (int d = 0; d < kActionSize; ++d) {
+      block_.input.From(network_.encoder.features() + d).data[i] = *action++;
     }
   }
+}
+
+std::vector<ValueModel::Values> CriticValues::Evaluate(const Columns& observations,
+                                                       std::span<const float> actions) {
+  const auto rows = static_cast<size_t>(observations.rows());
+  std::vector<Values> values = {{"q1", std::vector<float>(rows)}, {"q2", std::vector<float>(rows)}};
+  for (int first = 0; first < observations.rows(); first += kLanes) {
+    const int count = std::min(kLanes, observations.rows() - first);
+    Fill(observations, actions, first, count);
+    for (const auto& [critic, result] :
+         {std::pair(&network_.critic1, &values[0].values), std::pair(&network_.critic2, &values[1].values)}) {
+      MlpForward(kernels_, *critic, parameters_.data(), block_.input, 1, block_.head, block_.value);
+      std::copy_n(block_.value.data, count, result->begin() + first);
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ValueModel>> MakeCriticValues(const StepSpec& spec, const ModelConfig& model) {
+  DADRL_ASSIGN_OR_RETURN(const DrivingShape shape, DrivingShape::Find(spec));
+  return std::make_unique<CriticValues>(shape, model);
 }
 
 }  // namespace dadrl

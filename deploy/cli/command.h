@@ -37,7 +37,7 @@ struct ConfigOptions {
   std::vector<std::string> sets;  // "key=value"
 
   void AddTo(CLI::App& app);
-  // Overlays file, then sets, on `base`.
+  // Overlays file, then sets, on `base`; model.policy is one that there is.
   Result<Config> Apply(Config base) const;
   // The same on the defaults and, over these, the preset of the algorithm that file or sets name.
   Result<Config> ApplyToPreset() const;

@@ -1,4 +1,5 @@
 #include "common/config/config_yaml.h"
+#include "common/model/policy_model.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/algorithm_presets.h"
 
@@ -16,6 +17,7 @@ void ConfigOptions::AddTo(CLI::App& app) {
 Result<Config> ConfigOptions::Apply(Config base) const {
   if (!file.empty()) DADRL_RETURN_IF_ERROR(LoadYaml(file, base));
   for (const std::string& assignment : sets) DADRL_RETURN_IF_ERROR(ApplyOverride(assignment, base));
+  DADRL_RETURN_IF_ERROR(CheckPolicyModel(base.model));
   return base;
 }
 

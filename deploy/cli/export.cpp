@@ -17,9 +17,9 @@ Result<int> RunExport(const ExportOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::string file, ResolvePolicy(options.policy));
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(file));
   DADRL_RETURN_IF_ERROR(ExportPolicy(policy, options.policy, options.out));
-  fmt::print("{}/index.json: {}\n", options.out,
-             policy.Find(kCriticNetwork) == nullptr ? "the policy (the file holds no critics)"
-                                                    : "the policy and its critics");
+  std::vector<std::string> names;
+  for (const StoredNetwork& network : policy.networks) names.push_back(network.name);
+  fmt::print("{}/index.json: {}\n", options.out, fmt::join(names, ", "));
   return 0;
 }
 

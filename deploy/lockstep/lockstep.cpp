@@ -8,6 +8,7 @@
 #include "actor/collect/collector.h"
 #include "actor/environment.h"
 #include "common/io/checksum.h"
+#include "common/model/policy_model.h"
 #include "common/util/log.h"
 #include "deploy/lockstep/in_process_ends.h"
 #include "learner/algorithms/registry.h"
@@ -55,8 +56,9 @@ TableOptions InMemoryTable(const Config& config) {
 class Lockstep {
  public:
   Lockstep(const Config& config, std::unique_ptr<Environment> environment,
-           std::unique_ptr<Algorithm> algorithm, std::unique_ptr<ReplayTable> table, CheckpointStore store,
-           const TrainingProgress& progress, const std::atomic<bool>& stop)
+           std::unique_ptr<PolicyModel> policy, std::unique_ptr<Algorithm> algorithm,
+           std::unique_ptr<ReplayTable> table, CheckpointStore store, const TrainingProgress& progress,
+           const std::atomic<bool>& stop)
       : config_(config),
         stop_(stop),
         environment_(std::move(environment)),
@@ -65,13 +67,13 @@ class Lockstep {
         checkpoints_(std::move(store), clock_),
         sink_(config, *table_),
         batches_(config, algorithm_->batch_shape(), *table_),
-        policy_(DrivingShape::From(config.observation), config.model),
+        policy_(std::move(policy)),
         trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
         collector_(config,
                    {.environment = *environment_,
                     .sink = sink_,
                     .policies = relay_,
-                    .policy = policy_,
+                    .policy = *policy_,
                     .ledger = ledger_,
                     .clock = clock_,
                     .stop = stop},
@@ -120,7 +122,7 @@ class Lockstep {
   TableSink sink_;
   TableBatchSource batches_;
   PolicyRelay relay_;
-  ActingPolicy policy_;
+  std::unique_ptr<PolicyModel> policy_;
   Trainer trainer_;
   Collector collector_;
   uint64_t updates_ = 0;
@@ -136,12 +138,13 @@ Result<LockstepResult> TrainInLockstep(const Config& config, const std::filesyst
   DADRL_ASSIGN_OR_RETURN(auto algorithm, MakeAlgorithm(config));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, 0, false, *algorithm));
+  DADRL_ASSIGN_OR_RETURN(auto policy, MakePolicyModel(DrivingStepSpec(config), config.model));
   DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(config));
   // The replay's clock only measures waits, of which there are none here.
   static const SystemClock replay_clock;
   DADRL_ASSIGN_OR_RETURN(auto table, ReplayTable::Open(InMemoryTable(config), replay_clock));
-  Lockstep lockstep(config, std::move(environment), std::move(algorithm), std::move(table), std::move(*store),
-                    progress, stop);
+  Lockstep lockstep(config, std::move(environment), std::move(policy), std::move(algorithm), std::move(table),
+                    std::move(*store), progress, stop);
   return lockstep.Run();
 }
 

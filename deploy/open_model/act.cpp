@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
-#include "common/model/acting_policy.h"
-#include "common/model/critic_values.h"
+#include "common/model/policy_model.h"
 
 namespace dadrl {
 namespace {
@@ -19,65 +19,99 @@ void CopyOut(const Columns& batch, int index, Observation& observation) {
   }
 }
 
-// Says which file the networks did not take.
-tl::unexpected<Error> Named(const std::filesystem::path& path, const Status& status) {
-  return Fail(status.error().code, "{}: {}", path.string(), status.error().message);
+// Says which file holds the network.
+tl::unexpected<Error> Named(const std::filesystem::path& path, const Error& error) {
+  return Fail(error.code, "{}: {}", path.string(), error.message);
+}
+
+void Append(const PolicyModel::Details& details, ActReport& report) {
+  report.numbers.resize(details.numbers.size());
+  for (size_t n = 0; n < details.numbers.size(); ++n) {
+    report.numbers[n].name = details.numbers[n].name;
+    report.numbers[n].rows.emplace_back(details.numbers[n].values.begin(), details.numbers[n].values.end());
+  }
+  if (details.value) {
+    report.values.resize(1, {"value", {}});
+    report.values.front().values.push_back(*details.value);
+  }
+  report.attention.push_back(details.attention);
+}
+
+Status AskPolicy(const Columns& observations, const PolicyFile& file, const std::filesystem::path& path,
+                 ActReport& report) {
+  const DrivingShape spec = DrivingShape::From(file.config.observation);
+  const auto policy = MakePolicyModel(spec, file.config.model);
+  if (!policy) return Named(path, policy.error());
+  const nn::ParamLayout& layout = (*policy)->layout();
+  DADRL_RETURN_IF_ERROR(CheckLayout(file.policy(), path, layout.hash(), layout.size()));
+  if (const Status loaded = (*policy)->Load(file.policy().parameters); !loaded) {
+    return Named(path, loaded.error());
+  }
+  (*policy)->BeginEpisode();
+  Observation observation(spec);
+  for (int i = 0; i < observations.rows(); ++i) {
+    CopyOut(observations, i, observation);
+    report.action.push_back((*policy)->Act(observation, nullptr));
+    Append((*policy)->last(), report);
+  }
+  return {};
+}
+
+Status AskNetwork(const Columns& observations, const StoredNetwork& network, const PolicyFile& file,
+                  const std::filesystem::path& path, ActReport& report) {
+  const auto model =
+      MakeValueModel(network.name, DrivingShape::From(file.config.observation), file.config.model);
+  if (!model) return Named(path, model.error());
+  const nn::ParamLayout& layout = (*model)->layout();
+  DADRL_RETURN_IF_ERROR(CheckLayout(network, path, layout.hash(), layout.size()));
+  if (const Status loaded = (*model)->Load(network.parameters); !loaded) return Named(path, loaded.error());
+  std::vector<float> actions;
+  for (const Action& action : report.action) actions.insert(actions.end(), action.begin(), action.end());
+  std::ranges::move((*model)->Evaluate(observations, actions), std::back_inserter(report.values));
+  return {};
 }
 
 }  // namespace
 
 Result<ActReport> ActOn(const Columns& observations, const PolicyFile& policy,
                         const std::filesystem::path& path) {
-  const DrivingShape spec = DrivingShape::From(policy.config.observation);
-  ActingPolicy acting(spec, policy.config.model);
-  DADRL_RETURN_IF_ERROR(CheckLayout(policy.policy(), path, acting.layout_hash(), acting.parameter_count()));
-  if (const Status loaded = acting.Load(policy.policy().parameters); !loaded) return Named(path, loaded);
   ActReport report;
-  Observation observation(spec);
-  std::vector<float> actions;
-  for (int i = 0; i < observations.rows(); ++i) {
-    CopyOut(observations, i, observation);
-    report.action.push_back(acting.Act(observation, nullptr));
-    report.mean.push_back(acting.last().mean);
-    report.log_std.push_back(acting.last().log_std);
-    report.attention.push_back(acting.last().attention);
-    actions.insert(actions.end(), report.action.back().begin(), report.action.back().end());
+  DADRL_RETURN_IF_ERROR(AskPolicy(observations, policy, path, report));
+  for (const StoredNetwork& network : policy.networks) {
+    if (network.name == kPolicyNetwork) continue;
+    DADRL_RETURN_IF_ERROR(AskNetwork(observations, network, policy, path, report));
   }
-  const StoredNetwork* critic = policy.Find(kCriticNetwork);
-  if (critic == nullptr) return report;
-  CriticValues critics(spec, policy.config.model);
-  DADRL_RETURN_IF_ERROR(CheckLayout(*critic, path, critics.layout().hash(), critics.layout().size()));
-  if (const Status loaded = critics.Load(critic->parameters); !loaded) return Named(path, loaded);
-  report.q1.resize(report.action.size());
-  report.q2.resize(report.action.size());
-  critics.Evaluate(observations, actions, report.q1, report.q2);
   return report;
 }
 
 std::string ActJson(const ActReport& report) {
-  const auto values = [](const std::vector<float>& q) { return q.empty() ? Json() : Json(q); };
+  Json json = {{"observations", report.action.size()}};
+  for (const ActReport::Numbers& numbers : report.numbers) json[numbers.name] = numbers.rows;
+  json["action"] = report.action;
+  for (const ValueModel::Values& values : report.values) json[values.name] = values.values;
   const bool attends = !report.attention.front().empty();
-  const Json json = {{"observations", report.action.size()},
-                     {"mean", report.mean},
-                     {"log_std", report.log_std},
-                     {"action", report.action},
-                     {"q1", values(report.q1)},
-                     {"q2", values(report.q2)},
-                     {"attention", attends ? Json(report.attention) : Json()}};
+  json["attention"] = attends ? Json(report.attention) : Json();
   return json.dump();
 }
 
 std::string ActTable(const ActReport& report) {
-  std::string table = fmt::format("{:>6}  {:>16}  {:>16}  {:>14}  {:>16}  attention\n", "", "mean", "log std",
-                                  "action", "q1, q2");
-  const auto pair = [](float a, float b) { return fmt::format("{:7.3f} {:7.3f}", a, b); };
+  const auto joined = [](std::span<const float> row) { return fmt::format("{:7.3f}", fmt::join(row, " ")); };
+  const auto column = [](size_t numbers) { return 8 * numbers - 1; };
+  std::string table = fmt::format("{:>6}", "");
+  for (const ActReport::Numbers& numbers : report.numbers) {
+    table += fmt::format("  {:>{}}", numbers.name, column(numbers.rows.front().size()));
+  }
+  table += fmt::format("  {:>{}}", "action", column(kActionSize));
+  for (const ValueModel::Values& values : report.values)
+    table += fmt::format("  {:>{}}", values.name, column(1));
+  table += "  attention\n";
   for (size_t i = 0; i < report.action.size(); ++i) {
-    const std::string q = report.q1.empty() ? "none" : pair(report.q1[i], report.q2[i]);
-    table += fmt::format("{:>6}  {:>16}  {:>16}  {:>14}  {:>16}  {:.2f}\n", i,
-                         pair(report.mean[i][0], report.mean[i][1]),
-                         pair(report.log_std[i][0], report.log_std[i][1]),
-                         fmt::format("{:.3f} {:.3f}", report.action[i][0], report.action[i][1]), q,
-                         fmt::join(report.attention[i], " "));
+    table += fmt::format("{:>6}", i);
+    for (const ActReport::Numbers& numbers : report.numbers) table += "  " + joined(numbers.rows[i]);
+    table += "  " + joined(report.action[i]);
+    for (const ValueModel::Values& values : report.values)
+      table += fmt::format("  {:7.3f}", values.values[i]);
+    table += fmt::format("  {:.2f}\n", fmt::join(report.attention[i], " "));
   }
   return table;
 }

@@ -5,7 +5,9 @@
 #include "common/config/config_yaml.h"
 #include "common/io/atomic_file.h"
 #include "common/io/npy.h"
-#include "common/model/networks.h"
+#include "common/model/policy_model.h"
+#include "common/model/value_model.h"
+#include "common/nn/lanes/lane_kernels.h"
 
 namespace dadrl {
 namespace {
@@ -29,14 +31,25 @@ Status MakeEmptyFolder(const std::filesystem::path& directory) {
   return {};
 }
 
+Result<nn::ParamLayout> LayoutOf(const StoredNetwork& network, const Config& config) {
+  const DrivingShape spec = DrivingShape::From(config.observation);
+  if (network.name == kPolicyNetwork) {
+    DADRL_ASSIGN_OR_RETURN(const auto policy, MakePolicyModel(spec, config.model));
+    return policy->layout();
+  }
+  DADRL_ASSIGN_OR_RETURN(const auto values, MakeValueModel(network.name, spec, config.model));
+  return values->layout();
+}
+
 // The network's tensors as files, and its part of the index.
-Result<Json> ExportNetwork(const std::string& network, const nn::ParamLayout& layout,
-                           std::span<const float> parameters, const std::filesystem::path& directory) {
-  std::error_code failed;
-  std::filesystem::create_directory(directory / network, failed);  // the first write says if it is not there
+Result<Json> ExportNetwork(const StoredNetwork& network, const nn::ParamLayout& layout,
+                           const std::filesystem::path& directory) {
+  const std::span<const float> parameters = network.parameters;
+  std::error_code failed;  // the first write says if the folder is not there
+  std::filesystem::create_directory(directory / network.name, failed);
   Json tensors = Json::array();
   for (const nn::TensorInfo& tensor : layout.tensors()) {
-    const std::string file = fmt::format("{}/{}.npy", network, tensor.name);
+    const std::string file = fmt::format("{}/{}.npy", network.name, tensor.name);
     const std::vector<size_t> shape(tensor.shape.begin(), tensor.shape.end());
     DADRL_RETURN_IF_ERROR(
         WriteNpy<float>(directory / file, shape, parameters.subspan(tensor.offset, tensor.size)));
@@ -55,7 +68,8 @@ Json Index(const PolicyFile& policy, const std::filesystem::path& source) {
           {"policy_version", policy.policy_version},
           {"observation", {{"vehicles", spec.vehicles}, {"history", spec.history}}},
           {"model",
-           {{"stae", model.stae},
+           {{"policy", model.policy},
+            {"stae", model.stae},
             {"context", model.context},
             {"critic_layer_norm", model.critic_layer_norm},
             {"layer_norm_epsilon", nn::kLayerNormEpsilon},
@@ -68,23 +82,18 @@ Json Index(const PolicyFile& policy, const std::filesystem::path& source) {
 
 Status ExportPolicy(const PolicyFile& policy, const std::filesystem::path& source,
                     const std::filesystem::path& directory) {
-  const DrivingShape spec = DrivingShape::From(policy.config.observation);
-  const PolicyNetwork policy_network(spec, policy.config.model);
-  const CriticNetwork critic_network(spec, policy.config.model);
-  DADRL_RETURN_IF_ERROR(
-      CheckLayout(policy.policy(), source, policy_network.layout.hash(), policy_network.layout.size()));
-  const StoredNetwork* critic = policy.Find(kCriticNetwork);
-  if (critic != nullptr) {
-    DADRL_RETURN_IF_ERROR(
-        CheckLayout(*critic, source, critic_network.layout.hash(), critic_network.layout.size()));
+  std::vector<nn::ParamLayout> layouts;
+  for (const StoredNetwork& network : policy.networks) {
+    const Result<nn::ParamLayout> layout = LayoutOf(network, policy.config);
+    if (!layout) return Fail(layout.error().code, "{}: {}", source.string(), layout.error().message);
+    DADRL_RETURN_IF_ERROR(CheckLayout(network, source, layout->hash(), layout->size()));
+    layouts.push_back(*layout);
   }
   DADRL_RETURN_IF_ERROR(MakeEmptyFolder(directory));
   Json index = Index(policy, source);
-  DADRL_ASSIGN_OR_RETURN(index["networks"]["policy"], ExportNetwork("policy", policy_network.layout,
-                                                                    policy.policy().parameters, directory));
-  if (critic != nullptr) {
-    DADRL_ASSIGN_OR_RETURN(index["networks"]["critic"],
-                           ExportNetwork("critic", critic_network.layout, critic->parameters, directory));
+  for (size_t i = 0; i < layouts.size(); ++i) {
+    DADRL_ASSIGN_OR_RETURN(index["networks"][policy.networks[i].name],
+                           ExportNetwork(policy.networks[i], layouts[i], directory));
   }
   const std::string config = ToYaml(policy.config, false);
   DADRL_RETURN_IF_ERROR(WriteFileAtomically(directory / "config.yaml", std::string_view(config)));

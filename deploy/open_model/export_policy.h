@@ -8,10 +8,10 @@
 
 namespace dadrl {
 
-// Writes into `directory`, which must be new or empty: <network>/<tensor>.npy for the networks `policy` and,
-// where the file holds them, `critic`; config.yaml; and last index.json, so that an export without it is
-// incomplete. `source` is the policy file's name, for the index and for errors. kInvalidArgument when the
-// file is of other networks or the folder holds anything. Blocks on the disk.
+// Writes into `directory`, which must be new or empty: <network>/<tensor>.npy for each network of the file;
+// config.yaml; and last index.json, so that an export without it is incomplete. `source` is the policy file's
+// name, for the index and for errors. kInvalidArgument when the file is of other networks or the folder holds
+// anything. Blocks on the disk.
 Status ExportPolicy(const PolicyFile& policy, const std::filesystem::path& source,
                     const std::filesystem::path& directory);
 

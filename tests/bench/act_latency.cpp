@@ -6,8 +6,7 @@
 
 #include <string>
 
-#include "common/model/acting_policy.h"
-#include "common/model/networks.h"
+#include "common/model/policy_model.h"
 #include "tests/bench/core_peak.h"
 #include "tests/bench/help.h"
 #include "tests/bench/network_flops.h"
@@ -28,10 +27,10 @@ bool Measure(int present, const std::string& name) {
   constexpr int kRepetitions = 8000;
   const DrivingShape spec;
   const ModelConfig model;
-  ActingPolicy policy(spec, model);
-  std::vector<float> parameters(policy.parameter_count());
-  PolicyNetwork(spec, model).layout.Initialize(1, parameters);
-  if (const Status status = policy.Load(parameters); !status) {
+  const std::unique_ptr<PolicyModel> policy = MakePolicyModel(spec, model).value();
+  std::vector<float> parameters(policy->layout().size());
+  policy->layout().Initialize(1, parameters);
+  if (const Status status = policy->Load(parameters); !status) {
     fmt::print(stderr, "error: {}\n", status.error().message);
     return false;
   }
@@ -44,7 +43,7 @@ bool Measure(int present, const std::string& name) {
   std::vector<double> seconds;
   for (int i = 0; i < kRepetitions; ++i) {
     const double start = Seconds();
-    policy.Act(observations[static_cast<size_t>(i % kObservations)], nullptr);
+    policy->Act(observations[static_cast<size_t>(i % kObservations)], nullptr);
     seconds.push_back(Seconds() - start);
   }
   peak = std::max(peak, CorePeakGflops());

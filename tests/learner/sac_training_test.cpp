@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/io/read_file.h"
-#include "common/model/acting_policy.h"
-#include "common/model/critic_values.h"
 #include "common/model/policy_file.h"
+#include "common/model/policy_model.h"
+#include "common/model/value_model.h"
 #include "learner/algorithms/registry.h"
 #include "learner/training_log.h"
 #include "tests/common/io/temporary_folder.h"
@@ -79,14 +79,14 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   const auto policy = LoadPolicy(path);
   ASSERT_TRUE(policy) << policy.error().message;
   const DrivingShape spec = DrivingShape::From(policy->config.observation);
-  ActingPolicy acting(spec, policy->config.model);
-  ASSERT_TRUE(CheckLayout(policy->policy(), path, acting.layout_hash(), acting.parameter_count()));
-  ASSERT_TRUE(acting.Load(policy->policy().parameters));
-  const Action action = acting.Act(Observation(spec), nullptr);
+  const auto acting = MakePolicyModel(spec, policy->config.model).value();
+  ASSERT_TRUE(CheckLayout(policy->policy(), path, acting->layout().hash(), acting->layout().size()));
+  ASSERT_TRUE(acting->Load(policy->policy().parameters));
+  const Action action = acting->Act(Observation(spec), nullptr);
   EXPECT_LT(std::abs(action[0]), 1.0f);
   const StoredNetwork* critic = policy->Find(kCriticNetwork);
   ASSERT_NE(critic, nullptr);
-  const nn::ParamLayout layout = CriticNetwork(spec, policy->config.model).layout;
+  const nn::ParamLayout layout = MakeValueModel(kCriticNetwork, spec, policy->config.model).value()->layout();
   ASSERT_TRUE(CheckLayout(*critic, path, layout.hash(), layout.size()));
   EXPECT_THAT(critic->parameters, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
 }

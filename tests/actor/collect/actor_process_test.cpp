@@ -11,7 +11,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/io/checksum.h"
-#include "common/model/acting_policy.h"
+#include "common/model/policy_model.h"
 #include "proto/evaluation/episode_line.h"
 #include "proto/telemetry.h"
 #include "tests/actor/experience/replay_peer.h"
@@ -83,12 +83,12 @@ class ActorProcessTest : public ::testing::Test {
       learner_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
       weights_ = dds::Writer<dadrl_idl_Weights>::Create(*learner_, kWeightsTopic).value();
     }
-    const ActingPolicy policy(DrivingShape::From(config_.observation), config_.model);
-    std::vector<float> parameters(policy.parameter_count());
+    const auto policy = MakePolicyModel(DrivingShape::From(config_.observation), config_.model).value();
+    std::vector<float> parameters(policy->layout().size());
     dadrl_idl_Weights message{};
     message.version = version;
     message.published_ns = WallTimeNs();
-    message.layout_hash = policy.layout_hash() ^ other_layout;
+    message.layout_hash = policy->layout().hash() ^ other_layout;
     message.checksum = Xxh3(std::as_bytes(std::span(parameters)));
     message.parameters._buffer = reinterpret_cast<uint8_t*>(parameters.data());
     message.parameters._length = static_cast<uint32_t>(parameters.size() * sizeof(float));

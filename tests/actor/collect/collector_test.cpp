@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "proto/experience.h"
+#include "tests/common/model/counting_policy.h"
 #include "tests/driving_columns.h"
 
 namespace dadrl {
@@ -86,14 +87,16 @@ class ScriptedPolicies final : public PolicySource {
 class CollectorTest : public ::testing::Test {
  protected:
   CollectorTest()
-      : spec_(DrivingShape::From(config_.observation)), environment_(spec_), policy_(spec_, config_.model) {}
+      : spec_(DrivingShape::From(config_.observation)),
+        environment_(spec_),
+        policy_(MakePolicyModel(spec_, config_.model).value()) {}
   Collector Make(uint64_t incarnation = 1) {
-    return Collector(config_, {environment_, sink_, policies_, policy_, ledger_, clock_, stop_}, 0,
+    return Collector(config_, {environment_, sink_, policies_, *policy_, ledger_, clock_, stop_}, 0,
                      incarnation);
   }
   void PublishPolicy(uint32_t version, float value = 0.01f) {
     policies_.version = version;
-    policies_.parameters.assign(policy_.parameter_count(), value);
+    policies_.parameters.assign(policy_->layout().size(), value);
   }
 
   Config config_;
@@ -101,7 +104,7 @@ class CollectorTest : public ::testing::Test {
   ScriptedEnvironment environment_;
   RecordingSink sink_;
   ScriptedPolicies policies_;
-  ActingPolicy policy_;
+  std::unique_ptr<PolicyModel> policy_;
   ManualClock clock_;
   TimeLedger ledger_{clock_};
   std::atomic<bool> stop_{false};
@@ -117,7 +120,7 @@ TEST_F(CollectorTest, GivesEachFrameTheActionTakenOnIt) {
 }
 
 TEST_F(CollectorTest, GoesOnCountingAfterTheEpisodesOfAnEarlierStart) {
-  Collector collector(config_, {environment_, sink_, policies_, policy_, ledger_, clock_, stop_}, 0, 2, 41);
+  Collector collector(config_, {environment_, sink_, policies_, *policy_, ledger_, clock_, stop_}, 0, 2, 41);
   EXPECT_EQ(collector.RunEpisode().value()->episode, 42u);
   EXPECT_THAT(sink_.lines, testing::Contains("begin 42"));
   EXPECT_EQ(collector.progress().episodes, 1u);  // since it began
@@ -160,6 +163,59 @@ TEST_F(CollectorTest, ExploresWithThePolicy) {
   for (size_t i = 1; i < environment_.actions.size(); ++i) {
     EXPECT_NE(environment_.actions[i], environment_.actions[i - 1]);
   }
+}
+
+class CollectorWithMemory : public CollectorTest {
+ protected:
+  CollectorWithMemory() {
+    auto counting = std::make_unique<CountingPolicy>();
+    counting_ = counting.get();
+    policy_ = std::move(counting);
+  }
+
+  CountingPolicy* counting_ = nullptr;
+};
+
+TEST_F(CollectorWithMemory, PolicyForgetsWhereAnEpisodeBeginsAndNowhereElse) {
+  PublishPolicy(1);
+  environment_.on_step = [&]() -> Status {
+    if (environment_.actions.size() == 1) PublishPolicy(2);
+    return {};
+  };
+  Collector collector = Make();
+  ASSERT_TRUE(collector.RunEpisode().value());
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_THAT(counting_->calls, ElementsAre("begin", "load", "act 1", "act 2", "load", "act 3", "begin",
+                                            "act 1", "act 2", "act 3"));
+  EXPECT_EQ(environment_.actions.at(2)[0], 0.03f);
+  EXPECT_EQ(environment_.actions.at(3)[0], 0.01f);
+}
+
+TEST_F(CollectorWithMemory, PolicyBeginsWithTheEpisodeEvenIfItsParametersComeLater) {
+  environment_.on_step = [&]() -> Status {
+    if (environment_.actions.size() == 1) PublishPolicy(1);
+    return {};
+  };
+  Collector collector = Make();
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_THAT(counting_->calls, ElementsAre("begin", "load", "act 1"));
+}
+
+TEST_F(CollectorWithMemory, PolicyForgetsAnEpisodeThatWasLost) {
+  PublishPolicy(1);
+  environment_.on_step = [&]() -> Status {
+    if (environment_.actions.size() == 2) return Fail(ErrorCode::kInternal, "sumo broke");
+    return {};
+  };
+  Collector collector = Make();
+  ASSERT_FALSE(collector.RunEpisode().value());
+  environment_.on_step = nullptr;
+  environment_.on_reset = []() -> Status { return Fail(ErrorCode::kUnavailable, "no room"); };
+  ASSERT_FALSE(collector.RunEpisode().value()) << "an episode that never was";
+  environment_.on_reset = nullptr;
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_THAT(counting_->calls,
+              ElementsAre("begin", "load", "act 1", "act 2", "act 3", "begin", "act 1", "act 2", "act 3"));
 }
 
 TEST_F(CollectorTest, KeepsItsPolicyWhenTheNextIsNotFinite) {

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "actor/policies/learned_policy.h"
 #include "actor/sim/traffic.h"
+#include "tests/common/model/counting_policy.h"
 
 namespace dadrl {
 namespace {
@@ -71,6 +73,25 @@ class SabotagedPolicy final : public DrivingPolicy {
   uint64_t sabotaged_seed_;
   bool sabotage_ = false;
 };
+
+TEST(DriveEpisodes, ALearnedPolicyWithAMemoryForgetsBetweenEpisodes) {
+  EvaluationOptions options = Options("rdm", 1, 2);
+  options.config.task.max_steps = 30;
+  const auto environment = DrivingEnvironment::Create(options.config);
+  ASSERT_TRUE(environment);
+  auto counting = std::make_unique<CountingPolicy>();
+  const std::vector<std::string>& calls = counting->calls;
+  LearnedPolicy policy(std::move(counting));
+  ASSERT_EQ(DriveEpisodes(**environment, policy, options.episodes, {}).size(), 2U);
+  int begun = 0;
+  for (size_t i = 0; i < calls.size(); ++i) {
+    const bool begins = calls[i] == "begin";
+    begun += begins ? 1 : 0;
+    EXPECT_EQ(calls[i] == "act 1", i > 0 && calls[i - 1] == "begin") << i;
+  }
+  EXPECT_EQ(begun, 2);
+  EXPECT_GT(calls.size(), 6U);
+}
 
 TEST(DriveEpisodes, ALostEpisodeIsReportedAndTheNextOneIsClean) {
   const EvaluationOptions options = Options("rdm", 1, 3);

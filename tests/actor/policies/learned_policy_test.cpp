@@ -25,14 +25,16 @@ class LearnedPolicyTest : public testing::Test {
   }
   ~LearnedPolicyTest() override { std::filesystem::remove(path_); }
 
+  std::unique_ptr<PolicyModel> Model() const {
+    return MakePolicyModel(DrivingShape::From(trained_.observation), trained_.model).value();
+  }
   // Small random parameters, saved as a training would.
   std::vector<float> Save() {
-    const ActingPolicy policy(DrivingShape::From(trained_.observation), trained_.model);
-    std::vector<float> parameters(policy.parameter_count());
+    const nn::ParamLayout layout = Model()->layout();
+    std::vector<float> parameters(layout.size());
     Random random(1);
     for (float& parameter : parameters) parameter = static_cast<float>(random.Uniform(-0.1, 0.1));
-    const PolicyToSave saved{
-        3, 100, ToYaml(trained_, false), {{kPolicyNetwork, policy.layout_hash(), parameters}}};
+    const PolicyToSave saved{3, 100, ToYaml(trained_, false), {{kPolicyNetwork, layout.hash(), parameters}}};
     EXPECT_TRUE(SavePolicy(path_, saved));
     return parameters;
   }
@@ -41,7 +43,7 @@ class LearnedPolicyTest : public testing::Test {
   Config trained_;
 };
 
-TEST_F(LearnedPolicyTest, DrivesAsTheActingPolicyWithTheTrainingsTask) {
+TEST_F(LearnedPolicyTest, DrivesAsItsModelWithTheTrainingsTask) {
   const std::vector<float> parameters = Save();
   Config config;
   config.scenario = "roundabout_a";
@@ -51,11 +53,11 @@ TEST_F(LearnedPolicyTest, DrivesAsTheActingPolicyWithTheTrainingsTask) {
   EXPECT_EQ(setup->config.task.decision_interval, 4);
   const auto environment = DrivingEnvironment::Create(setup->config);
   ASSERT_TRUE(environment) << environment.error().message;
-  ActingPolicy reference(DrivingShape::From(trained_.observation), trained_.model);
-  ASSERT_TRUE(reference.Load(parameters));
+  const auto reference = Model();
+  ASSERT_TRUE(reference->Load(parameters));
   ASSERT_TRUE((*environment)->Reset(1'000'000));
   for (int decision = 0; decision < 10; ++decision) {
-    const Action action = reference.Act((*environment)->observation(), nullptr);
+    const Action action = reference->Act((*environment)->observation(), nullptr);
     const Decision chosen = setup->policy->Decide(**environment);
     EXPECT_EQ(chosen.steps, 4);
     EXPECT_DOUBLE_EQ(chosen.command.target_speed_mps, 8.0 * (action[0] + 1.0) / 2.0);

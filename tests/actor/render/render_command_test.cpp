@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "common/config/config_yaml.h"
-#include "common/model/acting_policy.h"
 #include "common/model/policy_file.h"
+#include "common/model/policy_model.h"
 
 namespace dadrl {
 namespace {
@@ -157,15 +157,18 @@ TEST_F(RenderCommandTest, APartBeyondTheEpisodeIsRefused) {
   EXPECT_TRUE(Run());
 }
 
+nn::ParamLayout LayoutOf(const Config& config) {
+  return MakePolicyModel(DrivingShape::From(config.observation), config.model).value()->layout();
+}
+
 TEST_F(RenderCommandTest, APolicyOfAnotherLayoutIsRefused) {
   Config trained;
   trained.observation.vehicles = 4;
-  const ActingPolicy policy(DrivingShape::From(trained.observation), trained.model);
-  const std::vector<float> parameters(policy.parameter_count());
+  const nn::ParamLayout layout = LayoutOf(trained);
+  const std::vector<float> parameters(layout.size());
   options_.policy = (folder_ / "other.policy").string();
-  ASSERT_TRUE(
-      SavePolicy(options_.policy,
-                 {1, 1, ToYaml(trained, false), {{kPolicyNetwork, policy.layout_hash() + 1, parameters}}}));
+  ASSERT_TRUE(SavePolicy(options_.policy,
+                         {1, 1, ToYaml(trained, false), {{kPolicyNetwork, layout.hash() + 1, parameters}}}));
   Out("episode.png");
   const Status status = Run();
   ASSERT_FALSE(status);
@@ -177,12 +180,11 @@ TEST_F(RenderCommandTest, ALearnedPolicyBringsItsOwnObservation) {
   Config trained;
   trained.observation.vehicles = 3;
   trained.model.hidden = 32;
-  const ActingPolicy policy(DrivingShape::From(trained.observation), trained.model);
-  const std::vector<float> parameters(policy.parameter_count(), 0.01f);
+  const nn::ParamLayout layout = LayoutOf(trained);
+  const std::vector<float> parameters(layout.size(), 0.01f);
   options_.policy = (folder_ / "three.policy").string();
-  ASSERT_TRUE(
-      SavePolicy(options_.policy,
-                 {1, 500, ToYaml(trained, false), {{kPolicyNetwork, policy.layout_hash(), parameters}}}));
+  ASSERT_TRUE(SavePolicy(options_.policy,
+                         {1, 500, ToYaml(trained, false), {{kPolicyNetwork, layout.hash(), parameters}}}));
   Out("frames/");
   options_.every = 100;
   ASSERT_TRUE(Run());

@@ -51,6 +51,20 @@ TEST(ConfigCommand, PaperYamlIsValidAndThePapers) {
   EXPECT_EQ(config.learner.publish, PublishedPolicy::kCurrent);
 }
 
+TEST(ConfigCommand, PolicyThatThereIsNotIsRefusedWithTheNearestByEveryCommand) {
+  const std::vector<std::string> set = {"--set", "model.policy=squashed_gausian"};
+  const std::vector<std::vector<std::string>> commands = {
+      {"config"}, {"train", "left_turn"}, {"evaluate", "--policy", "rdm", "--scenario", "left_turn"}};
+  for (std::vector<std::string> command : commands) {
+    SCOPED_TRACE(command.front());
+    command.insert(command.end(), set.begin(), set.end());
+    const CommandOutput output = Dadrl(command);
+    EXPECT_EQ(output.exit_code, 2);
+    EXPECT_THAT(output.err, HasSubstr("did you mean squashed_gaussian?"));
+    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
+  }
+}
+
 // One for each scenario and one for all of them: what deploy/reproduce.sh trains with.
 TEST(ConfigCommand, EveryScenarioHasARecipeThatNamesIt) {
   std::vector<std::string> names = ScenarioNames();

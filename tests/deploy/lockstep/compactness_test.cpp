@@ -27,12 +27,12 @@ TEST(Compactness, ALeftTurnTakesLessThanEightHundredBytesAFrameAllTold) {
   const auto environment = MakeDrivingEnvironment(config).value();
   TableSink sink(config, *table);
   PolicyRelay relay;
-  ActingPolicy policy(DrivingShape::From(config.observation), config.model);
+  const auto policy = MakePolicyModel(DrivingShape::From(config.observation), config.model).value();
   Collector collector(config,
                       {.environment = *environment,
                        .sink = sink,
                        .policies = relay,
-                       .policy = policy,
+                       .policy = *policy,
                        .ledger = ledger,
                        .clock = clock,
                        .stop = stop},

@@ -89,7 +89,7 @@ def main(export, observations):
     mean, log_std = np.split(mlp(networks['policy'], 'policy', features), 2, -1)
     action = np.tanh(mean)
     result = {'observations': len(mean), 'mean': mean, 'action': action, 'attention': weight,
-              'log_std': log_std.clip(model['log_std_min'], model['log_std_max']), 'q1': None, 'q2': None}
+              'log_std': log_std.clip(model['log_std_min'], model['log_std_max'])}
     if 'critic' in networks:
         features, _ = encode(networks['critic'], model, *arrays)
         epsilon = model['layer_norm_epsilon'] if model['critic_layer_norm'] else None

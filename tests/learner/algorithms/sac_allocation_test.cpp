@@ -1,5 +1,5 @@
 // A training step and an acting step must not touch the heap.
-#include "common/model/acting_policy.h"
+#include "common/model/policy_model.h"
 #include "tests/common/allocation_counter.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
@@ -37,14 +37,13 @@ TEST_F(AllocationTest, UpdateAllocatesNothingAfterTheFirst) {
 
 TEST_F(AllocationTest, ActAllocatesNothing) {
   const DrivingShape spec;
-  const ModelConfig model;
-  ActingPolicy policy(spec, model);
-  ASSERT_TRUE(policy.Load(std::vector<float>(policy.parameter_count(), 0.01f)));
+  const auto policy = MakePolicyModel(spec, {}).value();
+  ASSERT_TRUE(policy->Load(std::vector<float>(policy->layout().size(), 0.01f)));
   const Observation observation(spec);
   Random random(1);
   const long before = Allocations();
-  policy.Act(observation, &random);
-  policy.Act(observation, nullptr);
+  policy->Act(observation, &random);
+  policy->Act(observation, nullptr);
   EXPECT_EQ(Allocations(), before);
 }
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "common/model/acting_policy.h"
+#include "common/model/policy_model.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
 namespace dadrl {
@@ -96,9 +96,9 @@ TEST_P(SacOnEverySharing, PublishesAPolicyThatActorsAccept) {
     config.learner.publish = publish;
     Sac sac(config);
     Train(sac, 0, 2);
-    ActingPolicy policy(kSpec, config.model);
-    EXPECT_EQ(policy.layout_hash(), sac.published_policy().layout_hash);
-    EXPECT_TRUE(policy.Load(sac.published_policy().parameters));
+    const auto policy = MakePolicyModel(kSpec, config.model).value();
+    EXPECT_EQ(policy->layout().hash(), sac.published_policy().layout_hash);
+    EXPECT_TRUE(policy->Load(sac.published_policy().parameters));
     const std::string name = publish == PublishedPolicy::kAveraged ? "policy_average" : "policy";
     EXPECT_TRUE(std::ranges::equal(sac.published_policy().parameters, FloatsOf(sac, name)));
     EXPECT_FALSE(std::ranges::equal(FloatsOf(sac, "policy"), FloatsOf(sac, "policy_average")));
