@@ -64,7 +64,7 @@ void ProgressDisplay::Show(const Progress& progress) {
   Put(kWrapOff);
   for (const std::string& line : RenderPanel(progress, size)) {
     Put(kClearLine + line + "\n");
-    shown_.push_back(Columns(line));
+    shown_.push_back(CountColumns(line));
   }
   Put(std::string(kClearBelow) + kWrapOn);
   std::fflush(stream_);

@@ -15,7 +15,7 @@ bool IsControl(std::string_view character) {
 
 }  // namespace
 
-size_t Columns(std::string_view text) {
+size_t CountColumns(std::string_view text) {
   return text.size() - static_cast<size_t>(std::count_if(text.begin(), text.end(), IsContinuation));
 }
 
@@ -33,7 +33,7 @@ std::string ClipColumns(std::string_view text, size_t columns) {
 
 std::string ShortenColumns(std::string_view text, size_t columns) {
   constexpr std::string_view kMore = "...";
-  if (Columns(text) <= columns || columns <= kMore.size()) return ClipColumns(text, columns);
+  if (CountColumns(text) <= columns || columns <= kMore.size()) return ClipColumns(text, columns);
   return ClipColumns(text, columns - kMore.size()).append(kMore);
 }
 

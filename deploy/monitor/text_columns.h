@@ -16,7 +16,7 @@ struct TerminalSize {
 };
 
 // Columns of UTF-8 text, one a character.
-size_t Columns(std::string_view text);
+size_t CountColumns(std::string_view text);
 
 // `text` on at most `columns` columns. Control characters become '?': a name from outside cannot move the
 // cursor.

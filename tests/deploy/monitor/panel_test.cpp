@@ -99,7 +99,7 @@ TEST_P(PanelSize, IsNeverExceeded) {
     const auto lines = RenderPanel(Busy(actors), size);
     EXPECT_LE(lines.size(), size.rows);
     EXPECT_GE(lines.size(), std::min<size_t>(size.rows, 19));  // and is used
-    for (const std::string& line : lines) EXPECT_LE(Columns(line), size.columns) << line;
+    for (const std::string& line : lines) EXPECT_LE(CountColumns(line), size.columns) << line;
     EXPECT_THAT(lines, testing::Contains(HasSubstr("3:12 of 20:00")));
   }
 }
@@ -156,7 +156,7 @@ TEST(Panel, SumsUpTheProcessesThatHaveNoRoom) {
 }
 
 TEST(TextColumns, CountsAndCutsCharacters) {
-  EXPECT_EQ(Columns("über"), 4u);
+  EXPECT_EQ(CountColumns("über"), 4u);
   EXPECT_EQ(ClipColumns("über", 1), "ü");
   EXPECT_EQ(ClipColumns("über", 9), "über");
   EXPECT_EQ(ShortenColumns("Überholspur", 8), "Überh...");
@@ -168,7 +168,7 @@ TEST(Panel, ALineForALogIsShort) {
   Progress progress = Busy(1);
   progress.phase = "training and evaluating";
   EXPECT_THAT(RenderLine(progress, 119), testing::EndsWith("..."));
-  EXPECT_EQ(Columns(RenderLine(progress, 119)), 119u);
+  EXPECT_EQ(CountColumns(RenderLine(progress, 119)), 119u);
 }
 
 TEST(Panel, NamesEachFaultAndItsCause) {
@@ -298,14 +298,14 @@ TEST(ProgressDisplay, StaysInsideATerminalOfTenRowsAndOneThatBecomesNarrower) {
   display.Show(Sample());                                      // back over all of it
   EXPECT_THAT(terminal.Written(), testing::StartsWith("\x1b[9F"));
   size_t broken = 0;
-  for (const std::string& line : RenderPanel(Sample(), {9, 80})) broken += (Columns(line) + 19) / 20;
+  for (const std::string& line : RenderPanel(Sample(), {9, 80})) broken += (CountColumns(line) + 19) / 20;
   ASSERT_GT(broken, 9u);
   terminal.Resize(50, 20);  // it breaks each of its nine lines into several
   display.Show(Sample());
   const std::string narrow = terminal.Written();
   EXPECT_THAT(narrow, testing::StartsWith(fmt::format("\x1b[{}F", broken)));
   std::istringstream lines(std::regex_replace(narrow, std::regex("\x1b\\[[?0-9]*[A-Za-z]|\r"), ""));
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(Columns(line), 20u) << line;
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(CountColumns(line), 20u) << line;
 }
 
 TEST(ProgressDisplay, OutlivesItsReader) {
