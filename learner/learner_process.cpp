@@ -43,7 +43,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   DADRL_ASSIGN_OR_RETURN(const auto publisher,
                          WeightPublisher::Create(*node, std::move(reserve), progress.weights_version));
   const auto newest_version = [&publisher] { return publisher->newest_version(); };
-  DADRL_ASSIGN_OR_RETURN(const auto fetcher, BatchFetcher::Create(*node, config, algorithm->batch_shape(),
+  DADRL_ASSIGN_OR_RETURN(const auto fetcher, BatchFetcher::Create(*node, config, algorithm->spec().batch,
                                                                   incarnation, newest_version, {}));
   Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
   const Reporter reporter(config.telemetry,

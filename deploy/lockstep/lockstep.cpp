@@ -66,7 +66,7 @@ class Lockstep {
         table_(std::move(table)),
         checkpoints_(std::move(store), clock_),
         sink_(config, *table_),
-        batches_(config, algorithm_->batch_shape(), *table_),
+        batches_(config, algorithm_->spec().batch, *table_),
         policy_(std::move(policy)),
         trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
         collector_(config,

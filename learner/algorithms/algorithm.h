@@ -16,6 +16,7 @@ namespace dadrl {
 
 // Fixed for an algorithm's life, and known from the configuration alone.
 struct AlgorithmSpec {
+  TrajectoryShape batch;                // what it trains on
   std::span<const ScalarSpec> scalars;  // of each update; of static storage
   bool gives_priorities = false;        // of the samples of each batch
   // Actors begin with its untrained policy, version 1 is published before the first update; otherwise they
@@ -35,12 +36,10 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   virtual const AlgorithmSpec& spec() const = 0;
-  // What it trains on.
-  virtual TrajectoryShape batch_shape() const = 0;
 
-  // One training update, on a batch of that shape. Same state and batch give the same bits for a given thread
-  // count. Errors are kInternal and name the tensor or loss that is not finite; the state is then unusable:
-  // reload a checkpoint.
+  // One training update, on a batch of spec().batch. Same state and batch give the same bits for a given
+  // thread count. Errors are kInternal and name the tensor or loss that is not finite; the state is then
+  // unusable: reload a checkpoint.
   virtual Status Update(const TrajectoryBatch& batch) = 0;
   // Of the last Update, in the order of spec().scalars; NaN: it had none. Valid until the next one.
   virtual std::span<const double> scalars() const = 0;

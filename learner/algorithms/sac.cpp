@@ -80,8 +80,11 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
   }
 }
 
-AlgorithmSpec Sac::SpecOf(const Config&) {
-  return {.scalars = kScalars, .gives_priorities = true, .acts_from_start = false};
+AlgorithmSpec Sac::SpecOf(const Config& config) {
+  return {.batch = {.count = config.algorithm.batch_size, .steps = config.algorithm.n_step},
+          .scalars = kScalars,
+          .gives_priorities = true,
+          .acts_from_start = false};
 }
 
 std::vector<NamedNetwork> Sac::networks() const {

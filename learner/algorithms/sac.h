@@ -35,9 +35,6 @@ class Sac final : public Algorithm {
 
   static AlgorithmSpec SpecOf(const Config& config);
   const AlgorithmSpec& spec() const override { return declared_; }
-  TrajectoryShape batch_shape() const override {
-    return {.count = config_.algorithm.batch_size, .steps = config_.algorithm.n_step};
-  }
   // Batches of up to algorithm.batch_size trajectories; kInvalidArgument beyond.
   Status Update(const TrajectoryBatch& batch) override;
   // The update itself.

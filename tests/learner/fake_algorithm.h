@@ -23,7 +23,6 @@ class FakeAlgorithm final : public Algorithm {
                                           ScalarSpec{"halting", "toy/halting"}};
 
   const AlgorithmSpec& spec() const override { return spec_; }
-  TrajectoryShape batch_shape() const override { return {.count = 16}; }
   Status Update(const TrajectoryBatch& batch) override {
     if (fail_at_ != 0 && updates_ + 1 == fail_at_) {
       return Fail(ErrorCode::kInternal, "fit is not finite (nan) in update {}", fail_at_);
@@ -66,7 +65,8 @@ class FakeAlgorithm final : public Algorithm {
   void SpoilPolicy() { policy_[7] = std::nanf(""); }
 
  private:
-  AlgorithmSpec spec_{.scalars = kScalars, .gives_priorities = true, .acts_from_start = false};
+  AlgorithmSpec spec_{
+      .batch = {.count = 16}, .scalars = kScalars, .gives_priorities = true, .acts_from_start = false};
   std::array<double, kScalars.size()> scalars_{};
   std::vector<float> policy_;
   std::vector<float> moment_;
