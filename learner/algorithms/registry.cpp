@@ -7,6 +7,7 @@
 
 #include "common/config/config_schema.h"
 #include "common/util/shown.h"
+#include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/sac.h"
 
 namespace dadrl {
@@ -18,6 +19,8 @@ std::unique_ptr<Algorithm> Make(const Config& config) {
 }
 
 constexpr std::array kAlgorithms = {
+    AlgorithmEntry{"bc", "Behaviour cloning of recorded experience, by default of the predictive driver's",
+                   BehaviourCloning::SpecOf, Make<BehaviourCloning>},
     AlgorithmEntry{"dadrl", "Soft actor-critic on the attention encoder and bird's-eye planes (the paper's)",
                    Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",

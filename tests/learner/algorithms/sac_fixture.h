@@ -7,6 +7,7 @@
 #include "learner/algorithms/sac.h"
 #include "tests/driving_columns.h"
 #include "tests/golden/golden.h"
+#include "tests/learner/algorithms/state_blocks.h"
 
 namespace dadrl {
 
@@ -69,36 +70,6 @@ inline double ScalarOf(const Algorithm& algorithm, std::string_view name) {
   if (found != specs.end()) return algorithm.scalars()[static_cast<size_t>(found - specs.begin())];
   ADD_FAILURE() << "no scalar " << name;
   return 0.0;
-}
-
-inline std::span<std::byte> BlockOf(Algorithm& algorithm, const std::string& name) {
-  for (const StateBlock& block : algorithm.state()) {
-    if (block.name == name) return block.bytes;
-  }
-  ADD_FAILURE() << "no state " << name;
-  return {};
-}
-
-inline std::span<float> FloatsOf(Algorithm& algorithm, const std::string& name) {
-  const std::span<std::byte> bytes = BlockOf(algorithm, name);
-  return {reinterpret_cast<float*>(bytes.data()), bytes.size() / sizeof(float)};
-}
-
-// All state in one piece.
-inline std::vector<std::byte> Snapshot(Algorithm& algorithm) {
-  std::vector<std::byte> all;
-  for (const StateBlock& block : algorithm.state())
-    all.insert(all.end(), block.bytes.begin(), block.bytes.end());
-  return all;
-}
-
-inline void Restore(Algorithm& algorithm, const std::vector<std::byte>& snapshot) {
-  size_t at = 0;
-  for (const StateBlock& block : algorithm.state()) {
-    std::memcpy(block.bytes.data(), snapshot.data() + at, block.bytes.size());
-    at += block.bytes.size();
-  }
-  EXPECT_EQ(at, snapshot.size());
 }
 
 }  // namespace dadrl
