@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "actor/collect/collector.h"
+#include "actor/collect/scripted_driver.h"
 #include "actor/environment.h"
 #include "common/io/checksum.h"
 #include "common/model/policy_model.h"
@@ -52,31 +53,45 @@ TableOptions InMemoryTable(const Config& config) {
           .verify = nullptr};
 }
 
+// Who acts in what.
+struct Driving {
+  std::unique_ptr<Environment> environment;
+  std::unique_ptr<PolicyModel> policy;
+  std::unique_ptr<ScriptedDriver> driver;  // in place of the policy, or null
+
+  static Result<Driving> Make(const Config& config) {
+    Driving driving;
+    DADRL_ASSIGN_OR_RETURN(driving.environment, MakeDrivingEnvironment(config));
+    DADRL_ASSIGN_OR_RETURN(driving.policy, MakePolicyModel(DrivingStepSpec(config), config.model));
+    DADRL_ASSIGN_OR_RETURN(driving.driver, ScriptedDriver::Make(config));
+    return driving;
+  }
+};
+
 // Driving, storing and training in turns, on one thread and a clock that only updates move.
 class Lockstep {
  public:
-  Lockstep(const Config& config, std::unique_ptr<Environment> environment,
-           std::unique_ptr<PolicyModel> policy, std::unique_ptr<Algorithm> algorithm,
+  Lockstep(const Config& config, Driving driving, std::unique_ptr<Algorithm> algorithm,
            std::unique_ptr<ReplayTable> table, CheckpointStore store, const TrainingProgress& progress,
            const std::atomic<bool>& stop)
       : config_(config),
         stop_(stop),
-        environment_(std::move(environment)),
+        driving_(std::move(driving)),
         algorithm_(std::move(algorithm)),
         table_(std::move(table)),
         checkpoints_(std::move(store), clock_),
         sink_(config, *table_),
         batches_(config, algorithm_->spec().batch, *table_),
-        policy_(std::move(policy)),
         trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
         collector_(config,
-                   {.environment = *environment_,
+                   {.environment = *driving_.environment,
                     .sink = sink_,
                     .policies = relay_,
-                    .policy = *policy_,
+                    .policy = *driving_.policy,
                     .ledger = ledger_,
                     .clock = clock_,
-                    .stop = stop},
+                    .stop = stop,
+                    .driver = driving_.driver.get()},
                    0, 0) {}
 
   Result<LockstepResult> Run() {
@@ -115,14 +130,13 @@ class Lockstep {
   const std::atomic<bool>& stop_;
   ManualClock clock_;
   TimeLedger ledger_{clock_};
-  std::unique_ptr<Environment> environment_;
+  Driving driving_;
   std::unique_ptr<Algorithm> algorithm_;
   std::unique_ptr<ReplayTable> table_;
   CheckpointWriter checkpoints_;
   TableSink sink_;
   TableBatchSource batches_;
   PolicyRelay relay_;
-  std::unique_ptr<PolicyModel> policy_;
   Trainer trainer_;
   Collector collector_;
   uint64_t updates_ = 0;
@@ -138,13 +152,12 @@ Result<LockstepResult> TrainInLockstep(const Config& config, const std::filesyst
   DADRL_ASSIGN_OR_RETURN(auto algorithm, MakeAlgorithm(config));
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, 0, false, *algorithm));
-  DADRL_ASSIGN_OR_RETURN(auto policy, MakePolicyModel(DrivingStepSpec(config), config.model));
-  DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(config));
+  DADRL_ASSIGN_OR_RETURN(Driving driving, Driving::Make(config));
   // The replay's clock only measures waits, of which there are none here.
   static const SystemClock replay_clock;
   DADRL_ASSIGN_OR_RETURN(auto table, ReplayTable::Open(InMemoryTable(config), replay_clock));
-  Lockstep lockstep(config, std::move(environment), std::move(policy), std::move(algorithm), std::move(table),
-                    std::move(*store), progress, stop);
+  Lockstep lockstep(config, std::move(driving), std::move(algorithm), std::move(table), std::move(*store),
+                    progress, stop);
   return lockstep.Run();
 }
 
