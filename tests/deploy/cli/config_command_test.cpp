@@ -151,9 +151,11 @@ TEST(AlgorithmsCommand, ListsEachWithASentenceAndWhatItReports) {
   for (size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i]["name"], Algorithms()[i].name);
     EXPECT_THAT(text.out, HasSubstr(Algorithms()[i].sentence));
+    const AlgorithmSpec spec = Algorithms()[i].spec(Config{});
+    ASSERT_EQ(rows[i]["scalars"].size(), spec.scalars.size());
+    EXPECT_EQ(rows[i]["scalars"][0], spec.scalars[0].name);
+    EXPECT_EQ(rows[i]["gives_priorities"], spec.gives_priorities);
   }
-  EXPECT_EQ(rows[0]["scalars"][0], "critic_loss");
-  EXPECT_EQ(rows[0]["gives_priorities"], true);
 }
 
 TEST(AlgorithmsCommand, AnUnknownNameIsRefusedByWhateverTakesAConfiguration) {
@@ -165,7 +167,7 @@ TEST(AlgorithmsCommand, AnUnknownNameIsRefusedByWhateverTakesAConfiguration) {
     arguments.insert(arguments.end(), {"--set", "algorithm.name=dadlr"});
     const CommandOutput output = Dadrl(arguments);
     EXPECT_EQ(output.exit_code, 2);
-    EXPECT_THAT(output.err, HasSubstr("'dadlr' is unknown; the nearest is 'dadrl' (there are: dadrl, sac)"));
+    EXPECT_THAT(output.err, HasSubstr("'dadlr' is unknown; the nearest is 'dadrl' (there are: "));
   }
 }
 
