@@ -1,8 +1,10 @@
 # Compiler settings and the functions every folder uses:
 #   dadrl_library(NAME SOURCES ... LINK ...)     static library dadrl_NAME
+#   dadrl_interface(NAME LINK ...)              target dadrl_NAME: the folder's headers and what they need, no code
 #   dadrl_executable(NAME SOURCES ... LINK ...)  build/<preset>/bin/NAME
 #   dadrl_test(NAME SOURCES ... LINK ... [LABELS ...] [PREFIX ...])  GoogleTest binary, each case registered with CTest
 #   dadrl_shared_files(TARGET FOLDER FILES...)   copies of FILES in build/<preset>/share/dadrl/FOLDER, beside bin
+# Each target comes with the headers of the folder that defines it, and finds those of what it links (DadrlLayers.cmake).
 # PLAIN_HEADERS leaves the precompiled headers out (DadrlHeaders.cmake): for sources with flags of their own.
 
 set(CMAKE_CXX_STANDARD 20)
@@ -44,7 +46,8 @@ target_compile_options(dadrl_warnings INTERFACE
 
 function(dadrl_configure TARGET)
   cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
-  target_include_directories(${TARGET} PUBLIC ${PROJECT_SOURCE_DIR})
+  dadrl_include_root(ROOT)
+  target_include_directories(${TARGET} PUBLIC ${ROOT})
   target_link_libraries(${TARGET} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:dadrl_warnings>)
 endfunction()
 
@@ -55,6 +58,14 @@ function(dadrl_library NAME)
   if(NOT ARG_PLAIN_HEADERS)
     dadrl_use_precompiled(dadrl_${NAME} dadrl_headers)
   endif()
+endfunction()
+
+function(dadrl_interface NAME)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  dadrl_include_root(ROOT)
+  add_library(dadrl_${NAME} INTERFACE)
+  target_include_directories(dadrl_${NAME} INTERFACE ${ROOT})
+  target_link_libraries(dadrl_${NAME} INTERFACE ${ARG_LINK})
 endfunction()
 
 function(dadrl_executable NAME)
