@@ -44,24 +44,25 @@ void Count(std::atomic<uint64_t>& counter, uint64_t by = 1) {
 
 }  // namespace
 
-Result<std::unique_ptr<BatchFetcher>> BatchFetcher::Create(const dds::Node& node, const Config& config,
+Result<std::unique_ptr<BatchFetcher>> BatchFetcher::Create(const Transport& transport, const Config& config,
                                                            const TrajectoryShape& shape, uint64_t incarnation,
                                                            std::function<uint32_t()> newest_version,
-                                                           const FetchOptions& options) {
+                                                           const Clock& clock, const FetchOptions& options) {
   DADRL_RETURN_IF_ERROR(CheckServed(config, shape));
   Endpoints endpoints;
   DADRL_ASSIGN_OR_RETURN(endpoints.requests,
-                         dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
+                         Writer<dadrl_idl_BatchRequest>::Create(transport, kBatchRequestTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.replies,
-                         dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
-  DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
-                         PrioritySender::Create(node, incarnation, ExperienceBounds::From(config).priority));
-  return std::unique_ptr<BatchFetcher>(
-      new BatchFetcher(std::move(endpoints), config, shape, incarnation, std::move(newest_version), options));
+                         Reader<dadrl_idl_BatchReply>::Create(transport, kBatchReplyTopic));
+  DADRL_ASSIGN_OR_RETURN(
+      endpoints.priorities,
+      PrioritySender::Create(transport, incarnation, ExperienceBounds::From(config).priority));
+  return std::unique_ptr<BatchFetcher>(new BatchFetcher(std::move(endpoints), config, shape, incarnation,
+                                                        std::move(newest_version), clock, options));
 }
 
 BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const TrajectoryShape& shape,
-                           uint64_t incarnation, std::function<uint32_t()> newest_version,
+                           uint64_t incarnation, std::function<uint32_t()> newest_version, const Clock& clock,
                            const FetchOptions& options)
     : endpoints_(std::move(endpoints)),
       config_(config),
@@ -70,6 +71,7 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
       incarnation_(incarnation),
       newest_version_(std::move(newest_version)),
       options_(options),
+      clock_(clock),
       ready_(SlotCount(config)),
       free_(SlotCount(config)),
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
@@ -79,11 +81,18 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
     Slot* slot = slots_.back().get();
     static_cast<void>(free_.TryPush(slot));  // has room for all
   }
-  thread_ = std::thread([this] { Run(); });
+}
+
+void BatchFetcher::Start() {
+  endpoints_.priorities->Start();
+  thread_ = std::thread([this] {
+    while (!stopping_.load()) Fetch();
+  });
 }
 
 BatchFetcher::~BatchFetcher() {
   stopping_.store(true);
+  if (!thread_.joinable()) return;
   endpoints_.replies->Wake();
   thread_.join();
 }
@@ -123,15 +132,19 @@ FetchStats BatchFetcher::stats() const {
           .frames_held = frames_held_.load()};
 }
 
-void BatchFetcher::Run() {
-  while (!stopping_.load()) {
-    RepeatAfterRematch();
-    SendDue();
-    UpdateReasonToWait();
-    endpoints_.replies->Wait(WaitTime());
-    endpoints_.replies->Take(static_cast<int>(slots_.size()),
-                             [this](const dadrl_idl_BatchReply& reply) { OnReply(reply); });
+void BatchFetcher::Step() {
+  while (endpoints_.priorities->Step(Duration::zero())) {
   }
+  if (!stopping_.load()) Fetch();
+}
+
+void BatchFetcher::Fetch() {
+  RepeatAfterRematch();
+  SendDue();
+  UpdateReasonToWait();
+  endpoints_.replies->Wait(WaitTime());
+  endpoints_.replies->Take(static_cast<int>(slots_.size()),
+                           [this](const dadrl_idl_BatchReply& reply) { OnReply(reply); });
 }
 
 Duration BatchFetcher::WaitTime() const {
@@ -192,7 +205,7 @@ void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
   if (reply.bytes._length > 0) Decode(reply);
 }
 
-// Asking again would not help: this is the end of the thread.
+// Asking again would not help: this is the end of it.
 void BatchFetcher::OnRefusal(const dadrl_idl_BatchReply& reply) {
   MutexLock lock(mutex_);
   status_ = Fail(ErrorCode::kInvalidArgument, "replay {} refuses to serve this learner: {}", reply.shard,

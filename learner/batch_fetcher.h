@@ -1,4 +1,4 @@
-// Batches from the replay shards over DDS, fetched and decoded while the learner trains.
+// Batches from the replay shards, fetched and decoded while the learner trains.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/bounded_queue.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
@@ -41,18 +41,24 @@ struct FetchOptions {
   Duration corrupt_pause = std::chrono::milliseconds(100);  // before asking again after garbage
 };
 
-// Owns a thread that asks, receives and decodes, and learner.credits batches for each shard that go round.
-// Memory is allocated once. Take, Release, UpdatePriorities, waiting_for: the training thread; others: any.
+// Step asks, receives and decodes, once started on a thread of its own, which alone calls it then;
+// learner.credits batches for each shard go round. Memory is allocated once. Take, Release, UpdatePriorities,
+// waiting_for: the training thread; others: any.
 class BatchFetcher final : public BatchSource {
  public:
   // Fetches batches of `shape`. `incarnation` tells this learner from the one before it. `newest_version` is
-  // called on the fetcher's thread. kInvalidArgument: replays of this configuration do not serve such
-  // batches.
-  static Result<std::unique_ptr<BatchFetcher>> Create(const dds::Node& node, const Config& config,
+  // called by Step. Borrows `transport` and `clock`. kInvalidArgument: replays of this configuration do not
+  // serve such batches.
+  static Result<std::unique_ptr<BatchFetcher>> Create(const Transport& transport, const Config& config,
                                                       const TrajectoryShape& shape, uint64_t incarnation,
                                                       std::function<uint32_t()> newest_version,
-                                                      const FetchOptions& options);
+                                                      const Clock& clock, const FetchOptions& options);
   ~BatchFetcher() override;
+
+  // Steps on a thread of its own from now on, and sends priorities on another.
+  void Start();
+  // Sends what is due, waits a little for replies and takes them. Nothing once a shard refused.
+  void Step();
 
   TrajectoryBatch* Take(Duration timeout) override;
   void Release(TrajectoryBatch* batch) override;
@@ -69,14 +75,14 @@ class BatchFetcher final : public BatchSource {
     uint32_t shard = 0;
   };
   struct Endpoints {
-    std::unique_ptr<dds::Writer<dadrl_idl_BatchRequest>> requests;
-    std::unique_ptr<dds::Reader<dadrl_idl_BatchReply>> replies;
+    std::unique_ptr<Writer<dadrl_idl_BatchRequest>> requests;
+    std::unique_ptr<Reader<dadrl_idl_BatchReply>> replies;
     std::unique_ptr<PrioritySender> priorities;
   };
 
   BatchFetcher(Endpoints endpoints, const Config& config, const TrajectoryShape& shape, uint64_t incarnation,
-               std::function<uint32_t()> newest_version, const FetchOptions& options);
-  void Run();
+               std::function<uint32_t()> newest_version, const Clock& clock, const FetchOptions& options);
+  void Fetch();
   Duration WaitTime() const;
   bool can_ask() const;
   void RepeatAfterRematch();
@@ -95,7 +101,7 @@ class BatchFetcher final : public BatchSource {
   const uint64_t incarnation_;
   const std::function<uint32_t()> newest_version_;
   const FetchOptions options_;
-  SystemClock clock_;
+  const Clock& clock_;
   std::vector<std::unique_ptr<Slot>> slots_;
   BoundedQueue<Slot*> ready_;
   BoundedQueue<Slot*> free_;
@@ -104,7 +110,7 @@ class BatchFetcher final : public BatchSource {
   mutable Mutex mutex_;
   Status status_ DADRL_GUARDED_BY(mutex_);
 
-  // The fetcher's thread.
+  // Step's.
   RequestBook book_;
   TrajectoryDecoder decoder_;
   uint64_t match_generation_ = 0;

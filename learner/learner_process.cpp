@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/dds/node.h"
 #include "common/io/incarnation.h"
 #include "common/io/run_key.h"
 #include "common/util/fault.h"
@@ -42,9 +43,11 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   CheckpointWriter checkpoints(std::move(*store), clock);
   DADRL_ASSIGN_OR_RETURN(const auto publisher,
                          WeightPublisher::Create(*node, std::move(reserve), progress.weights_version));
+  publisher->Start();
   const auto newest_version = [&publisher] { return publisher->newest_version(); };
   DADRL_ASSIGN_OR_RETURN(const auto fetcher, BatchFetcher::Create(*node, config, algorithm->spec().batch,
-                                                                  incarnation, newest_version, {}));
+                                                                  incarnation, newest_version, clock, {}));
+  fetcher->Start();
   Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
   const Reporter reporter(config.telemetry,
                           {trainer, checkpoints, telemetry, log, [&fetcher] { return fetcher->stats(); }},

@@ -4,14 +4,14 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const dds::Node& node, uint64_t incarnation,
-                                                               double most) {
-  DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
+Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const Transport& transport,
+                                                               uint64_t incarnation, double most) {
+  DADRL_ASSIGN_OR_RETURN(auto writer, Writer<dadrl_idl_PriorityUpdate>::Create(transport, kPriorityTopic));
   return std::unique_ptr<PrioritySender>(new PrioritySender(std::move(writer), incarnation, most));
 }
 
-PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer,
-                               uint64_t incarnation, double most)
+PrioritySender::PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation,
+                               double most)
     : writer_(std::move(writer)),
       incarnation_(incarnation),
       most_(static_cast<float>(most)),
@@ -20,13 +20,18 @@ PrioritySender::PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpd
     Message* free = &message;
     static_cast<void>(free_.TryPush(free));  // has room for all
   }
-  thread_ = std::thread([this] { Run(); });
+}
+
+void PrioritySender::Start() {
+  thread_ = std::thread([this] {
+    while (!stopping_.load()) Step(std::chrono::seconds(1));
+  });
 }
 
 PrioritySender::~PrioritySender() {
   stopping_.store(true);
   filled_.Close();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::span<const float> priorities) {
@@ -44,21 +49,20 @@ void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::s
   static_cast<void>(filled_.TryPush(filled));  // has room for all
 }
 
-void PrioritySender::Run() {
-  while (!stopping_.load()) {
-    const std::optional<Message*> next = filled_.Pop(std::chrono::seconds(1));
-    if (!next) continue;
-    Message& message = **next;
-    dadrl_idl_PriorityUpdate sample{};
-    sample.shard = message.shard;
-    sample.learner = incarnation_;
-    const auto count = static_cast<uint32_t>(message.keys.size());
-    sample.keys = {count, count, message.keys.data(), false};
-    sample.priorities = {count, count, message.priorities.data(), false};
-    if (!writer_->Write(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
-    Message* free = &message;
-    static_cast<void>(free_.TryPush(free));
-  }
+bool PrioritySender::Step(Duration timeout) {
+  const std::optional<Message*> next = filled_.Pop(timeout);
+  if (!next) return false;
+  Message& message = **next;
+  dadrl_idl_PriorityUpdate sample{};
+  sample.shard = message.shard;
+  sample.learner = incarnation_;
+  const auto count = static_cast<uint32_t>(message.keys.size());
+  sample.keys = {count, count, message.keys.data(), false};
+  sample.priorities = {count, count, message.priorities.data(), false};
+  if (!writer_->Write(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
+  Message* free = &message;
+  static_cast<void>(free_.TryPush(free));  // has room for all
+  return true;
 }
 
 }  // namespace dadrl

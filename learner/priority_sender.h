@@ -8,21 +8,27 @@
 #include <thread>
 #include <vector>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/bounded_queue.h"
+#include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
 
 namespace dadrl {
 
-// Owns its thread and a few buffers that it reuses. Send: one thread. A priority above `most`, which no
-// replay believes (ExperienceBounds), is sent as that.
+// Owns a few buffers that it reuses, and once started a thread, which alone steps then. Send: one thread. A
+// priority above `most`, which no replay believes (ExperienceBounds), is sent as that.
 class PrioritySender {
  public:
-  static Result<std::unique_ptr<PrioritySender>> Create(const dds::Node& node, uint64_t incarnation,
+  static Result<std::unique_ptr<PrioritySender>> Create(const Transport& transport, uint64_t incarnation,
                                                         double most);
   ~PrioritySender();
+
+  // Steps on a thread of its own from now on.
+  void Start();
+  // Writes the next of what was given to Send; waits for it at most `timeout`. False when there is none.
+  bool Step(Duration timeout);
 
   // Copies both; `keys` and `priorities` are equally long. Dropped and counted when the sender is behind:
   // stale priorities are not worth waiting for.
@@ -38,11 +44,9 @@ class PrioritySender {
   };
   static constexpr size_t kMessages = 8;
 
-  PrioritySender(std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation,
-                 double most);
-  void Run();
+  PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation, double most);
 
-  std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> writer_;
+  std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer_;
   const uint64_t incarnation_;  // of the learner
   const float most_;
   std::vector<Message> messages_;

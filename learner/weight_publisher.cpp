@@ -7,20 +7,17 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<WeightPublisher>> WeightPublisher::Create(const dds::Node& node,
+Result<std::unique_ptr<WeightPublisher>> WeightPublisher::Create(const Transport& transport,
                                                                  VersionReserve reserve,
                                                                  uint32_t newest_version) {
-  DADRL_ASSIGN_OR_RETURN(auto writer, dds::Writer<dadrl_idl_Weights>::Create(node, kWeightsTopic));
+  DADRL_ASSIGN_OR_RETURN(auto writer, Writer<dadrl_idl_Weights>::Create(transport, kWeightsTopic));
   return std::unique_ptr<WeightPublisher>(
       new WeightPublisher(std::move(writer), std::move(reserve), newest_version));
 }
 
-WeightPublisher::WeightPublisher(std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer,
-                                 VersionReserve reserve, uint32_t newest_version)
-    : writer_(std::move(writer)),
-      reserve_(std::move(reserve)),
-      newest_version_(newest_version),
-      thread_([this] { Run(); }) {}
+WeightPublisher::WeightPublisher(std::unique_ptr<Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
+                                 uint32_t newest_version)
+    : writer_(std::move(writer)), reserve_(std::move(reserve)), newest_version_(newest_version) {}
 
 WeightPublisher::~WeightPublisher() {
   {
@@ -28,7 +25,12 @@ WeightPublisher::~WeightPublisher() {
     stopping_ = true;
     changed_.NotifyAll();
   }
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
+  Step();
+}
+
+void WeightPublisher::Start() {
+  thread_ = std::thread([this] { Run(); });
 }
 
 void WeightPublisher::Publish(const PolicyUpdate& update) {
@@ -42,17 +44,23 @@ void WeightPublisher::Publish(const PolicyUpdate& update) {
 }
 
 void WeightPublisher::Run() {
-  Pending sending;  // two buffers take turns
-  while (true) {
-    {
-      MutexLock lock(mutex_);
-      while (pending_.version == 0 && !stopping_) changed_.Wait(mutex_);
-      if (pending_.version == 0) return;
-      std::swap(sending, pending_);
-      pending_.version = 0;
-    }
-    Send(sending);
+  while (Await()) Step();
+}
+
+bool WeightPublisher::Await() {
+  MutexLock lock(mutex_);
+  while (pending_.version == 0 && !stopping_) changed_.Wait(mutex_);
+  return !stopping_;
+}
+
+void WeightPublisher::Step() {
+  {
+    MutexLock lock(mutex_);
+    if (pending_.version == 0) return;
+    std::swap(sending_, pending_);
+    pending_.version = 0;
   }
+  Send(sending_);
 }
 
 void WeightPublisher::Send(const Pending& policy) {

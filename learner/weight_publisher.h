@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
 #include "learner/policy_publisher.h"
@@ -17,17 +17,22 @@
 
 namespace dadrl {
 
-// Owns a thread that writes to DDS and to the version reserve. Late actors get the newest policy from the
-// middleware. Publish: one thread; the rest: any.
+// What is slow, writing to actors and to the version reserve, is done by Step, once started on a thread of
+// its own, which alone calls it then. Late actors get the newest policy from the middleware. Publish: one
+// thread; the rest: any.
 class WeightPublisher final : public PolicyPublisher {
  public:
   // `newest_version`: of the run so far, 0 for a new one.
-  static Result<std::unique_ptr<WeightPublisher>> Create(const dds::Node& node, VersionReserve reserve,
+  static Result<std::unique_ptr<WeightPublisher>> Create(const Transport& transport, VersionReserve reserve,
                                                          uint32_t newest_version);
   // Sends what was published last, then ends.
   ~WeightPublisher() override;
 
   void Publish(const PolicyUpdate& update) override DADRL_EXCLUDES(mutex_);
+  // Steps on a thread of its own from now on.
+  void Start();
+  // Sends what was published last, unless it was sent before.
+  void Step() DADRL_EXCLUDES(mutex_);
 
   uint32_t newest_version() const { return newest_version_.load(std::memory_order_relaxed); }
   uint64_t sent() const { return sent_.load(std::memory_order_relaxed); }
@@ -40,13 +45,16 @@ class WeightPublisher final : public PolicyPublisher {
     std::vector<float> parameters;
   };
 
-  WeightPublisher(std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
+  WeightPublisher(std::unique_ptr<Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
                   uint32_t newest_version);
-  void Run() DADRL_EXCLUDES(mutex_);
+  void Run();
+  // Until there is something to send; false when it is time to end.
+  bool Await() DADRL_EXCLUDES(mutex_);
   void Send(const Pending& policy);
 
-  std::unique_ptr<dds::Writer<dadrl_idl_Weights>> writer_;
-  VersionReserve reserve_;  // the thread's
+  std::unique_ptr<Writer<dadrl_idl_Weights>> writer_;
+  VersionReserve reserve_;  // Step's
+  Pending sending_;         // Step's; takes turns with `pending_`
   Mutex mutex_;
   CondVar changed_;
   Pending pending_ DADRL_GUARDED_BY(mutex_);

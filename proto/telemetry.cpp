@@ -4,7 +4,7 @@
 #include <atomic>
 
 #include "common/dds/address.h"
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/telemetry/lcm_receiver.h"
 #include "common/telemetry/lcm_sender.h"
 #include "common/util/log.h"
@@ -77,7 +77,7 @@ const char* TelemetryChannel(bool is_episode) { return is_episode ? kEpisodeChan
 // One of the two ways is there.
 struct TelemetryPublisher::Impl {
   std::unique_ptr<LcmSender> lcm;
-  std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> relay;
+  std::unique_ptr<Writer<dadrl_idl_Telemetry>> relay;
   std::atomic<bool> complained{false};
 
   void Publish(bool is_episode, std::vector<std::byte> packet) {
@@ -113,7 +113,7 @@ TelemetryPublisher::TelemetryPublisher(const Config& config, const dds::Node& no
     if (auto lcm = LcmSender::Open(TelemetryUrl(config.cluster))) impl_->lcm = std::move(*lcm);
   }
   if (impl_->lcm) return;
-  auto relay = dds::Writer<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic);
+  auto relay = Writer<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic);
   if (!relay) {
     spdlog::warn("running without telemetry: {}", relay.error().message);
     impl_.reset();
@@ -136,7 +136,7 @@ void TelemetryPublisher::Publish(const EpisodeReport& report) {
 struct TelemetrySubscriber::Impl {
   std::unique_ptr<LcmReceiver> lcm;
   std::unique_ptr<dds::Node> node;
-  std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> relayed;
+  std::unique_ptr<Reader<dadrl_idl_Telemetry>> relayed;
   uint64_t rejected = 0;
   // Of the Poll under way.
   const std::function<void(const ProcessStatus&)>* on_status = nullptr;
@@ -192,7 +192,7 @@ Result<std::unique_ptr<TelemetrySubscriber>> TelemetrySubscriber::CreateRelayed(
   DADRL_ASSIGN_OR_RETURN(
       impl->node, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0, key));
   DADRL_ASSIGN_OR_RETURN(impl->relayed,
-                         dds::Reader<dadrl_idl_Telemetry>::Create(*impl->node, kRelayedTelemetryTopic));
+                         Reader<dadrl_idl_Telemetry>::Create(*impl->node, kRelayedTelemetryTopic));
   return subscriber;
 }
 

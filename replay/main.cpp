@@ -46,7 +46,7 @@ dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService
     return dadrl::Fail(dadrl::ErrorCode::kInvalidArgument, "--shard: {} does not exist, replay.shards is {}",
                        options.shard, options.config.replay.shards);
   }
-  const dadrl::SystemClock clock;
+  dadrl::SystemClock clock;
   DADRL_ASSIGN_OR_RETURN(const auto service, dadrl::ReplayService::Create(options, clock));
   return service->Run(dadrl::shutdown_requested);
 }

@@ -132,7 +132,8 @@ Status Actor::Connect() {
       options_.run_directory / "logs" / fmt::format("episodes-actor-{}.csv", options_.index)));
   publisher_ = std::make_unique<TelemetryPublisher>(config, *node_);
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, identity_.number,
-                                                           identity_.incarnation, lease_.get()));
+                                                           identity_.incarnation, clock_, lease_.get()));
+  writer_->Start();
   const nn::ParamLayout& layout = policy_->layout();
   DADRL_ASSIGN_OR_RETURN(weights_, WeightsSubscriber::Create(*node_, layout.size(), layout.hash()));
   DADRL_ASSIGN_OR_RETURN(driver_, ScriptedDriver::Make(config));
@@ -226,7 +227,7 @@ void Actor::FillStatus(ProcessStatus& status) const {
 
 std::string Actor::WaitingForNumber() const {
   const ClusterConfig& cluster = options_.config.cluster;
-  const int port = dds::WellKnownPort(cluster, dds::Plane::kControl, 0);
+  const int port = dds::WellKnownPort(cluster, Plane::kControl, 0);
   if (!lease_->connected()) return fmt::format("the replay at {}:{}", cluster.host, port);
   return fmt::format("an actor number from the replay at {}:{}", cluster.host, port);
 }
@@ -236,7 +237,7 @@ std::string Actor::WaitingFor() const {
   const ClusterConfig& cluster = options_.config.cluster;
   const int shard = number() % options_.config.replay.shards;
   return fmt::format("the replay at {}:{}", cluster.host,
-                     dds::WellKnownPort(cluster, dds::Plane::kExperience, shard));
+                     dds::WellKnownPort(cluster, Plane::kExperience, shard));
 }
 
 // A node cannot change its address: the process ends, and is started again with the new one.

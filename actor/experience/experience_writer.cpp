@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/step/driving_shape.h"
 #include "common/util/log.h"
 #include "common/util/shown.h"
 
@@ -13,30 +12,34 @@ namespace {
 // How soon a replay that comes or goes is noticed.
 constexpr Duration kPeerPoll = std::chrono::milliseconds(50);
 
-TimePoint Now() { return SystemClock().Now(); }
-
 }  // namespace
 
 ExperienceWriter::ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation,
-                                   LeaseHolder* lease)
-    : actor_(actor),
+                                   const Clock& clock, LeaseHolder* lease)
+    : ChunkingSink(config, actor, incarnation),
+      actor_(actor),
       incarnation_(incarnation),
       lease_(lease),
       shard_(actor % static_cast<uint32_t>(config.replay.shards)),
-      chunk_frames_(std::clamp(config.actor.chunk_frames, 1, kMaxChunkFrames)),
       max_backlog_bytes_(config.actor.max_unacknowledged_bytes),
-      builder_(DrivingStepSpec(config), config.actor.floats) {}
+      clock_(clock) {}
 
-Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const dds::Node& node,
+Result<std::unique_ptr<ExperienceWriter>> ExperienceWriter::Create(const Transport& transport,
                                                                    const Config& config, uint32_t actor,
-                                                                   uint64_t incarnation, LeaseHolder* lease) {
-  std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation, lease));
+                                                                   uint64_t incarnation, const Clock& clock,
+                                                                   LeaseHolder* lease) {
+  std::unique_ptr<ExperienceWriter> writer(new ExperienceWriter(config, actor, incarnation, clock, lease));
   DADRL_ASSIGN_OR_RETURN(writer->acknowledgements_,
-                         AcknowledgementReader::Create(node, AcknowledgementTopic(actor)));
+                         AcknowledgementReader::Create(transport, AcknowledgementTopic(actor)));
   DADRL_ASSIGN_OR_RETURN(writer->chunks_,
-                         ChunkWriter::Create(node, ChunkTopic(static_cast<int>(writer->shard_))));
-  writer->sender_ = std::thread([raw = writer.get()] { raw->Run(); });
+                         ChunkWriter::Create(transport, ChunkTopic(static_cast<int>(writer->shard_))));
   return writer;
+}
+
+void ExperienceWriter::Start() {
+  sender_ = std::thread([this] {
+    while (!stopping_) Step();
+  });
 }
 
 ExperienceWriter::~ExperienceWriter() {
@@ -46,38 +49,12 @@ ExperienceWriter::~ExperienceWriter() {
   sender_.join();
 }
 
-void ExperienceWriter::BeginEpisode(uint64_t episode) {
-  EndEpisode();
-  episode_ = episode;
-  next_frame_ = 0;
-  builder_.Begin(episode_, next_frame_);
-}
-
-void ExperienceWriter::AddTransition(const Observation& observation, std::span<const float> decision,
-                                     float reward, uint8_t flags, uint32_t policy_version) {
-  builder_.AddTransition(observation, decision, reward, flags, policy_version);
-  ++next_frame_;
-  if (builder_.frames() >= chunk_frames_) FlushChunk();
-}
-
-void ExperienceWriter::AddFinal(const Observation& observation) {
-  builder_.AddFinal(observation);
-  ++next_frame_;
-  if (builder_.frames() >= chunk_frames_) FlushChunk();
-}
-
-void ExperienceWriter::EndEpisode() {
-  if (builder_.frames() > 0) FlushChunk();
-}
-
-void ExperienceWriter::FlushChunk() {
-  Backlog::Chunk chunk{.sequence = ++sequence_, .bytes = builder_.Finish({actor_, incarnation_, sequence_})};
-  builder_.Begin(episode_, next_frame_);
+void ExperienceWriter::OnChunk(uint64_t sequence, std::vector<std::byte> bytes) {
   {
     MutexLock lock(mutex_);
-    statistics_.chunks = sequence_;
-    statistics_.backlog_bytes += static_cast<int64_t>(chunk.bytes.size());
-    produced_.push_back(std::move(chunk));
+    statistics_.chunks = sequence;
+    statistics_.backlog_bytes += static_cast<int64_t>(bytes.size());
+    produced_.push_back({.sequence = sequence, .bytes = std::move(bytes)});
   }
   acknowledgements_->Wake();
 }
@@ -91,14 +68,22 @@ bool ExperienceWriter::blocked() const {
 
 bool ExperienceWriter::Flush(Duration timeout) {
   EndEpisode();
-  const TimePoint deadline = Now() + timeout;
-  MutexLock lock(mutex_);
-  while (status_ && statistics_.acknowledged < sequence_) {
-    const Duration left = deadline - Now();
-    if (left <= Duration::zero()) return false;
-    acknowledged_changed_.WaitFor(mutex_, left);
+  const TimePoint deadline = clock_.Now() + timeout;
+  while (status() && statistics().acknowledged < last_sequence()) {
+    const Duration left = deadline - clock_.Now();
+    if (left <= Duration::zero()) break;
+    if (sender_.joinable()) {
+      AwaitAcknowledgement(left);
+    } else {
+      Step();
+    }
   }
-  return statistics_.acknowledged == sequence_;
+  return statistics().acknowledged == last_sequence();
+}
+
+void ExperienceWriter::AwaitAcknowledgement(Duration timeout) {
+  MutexLock lock(mutex_);
+  if (status_ && statistics_.acknowledged < last_sequence()) acknowledged_changed_.WaitFor(mutex_, timeout);
 }
 
 ExperienceWriter::Statistics ExperienceWriter::statistics() const {
@@ -106,22 +91,21 @@ ExperienceWriter::Statistics ExperienceWriter::statistics() const {
   return statistics_;
 }
 
-void ExperienceWriter::Run() {
-  while (!stopping_) {
-    TakeProduced();
-    TakeAcknowledgements();
-    NoticePeer();
-    Publish();
-    if (ShowLease()) {
-      SendOrWait();
-    } else {
-      acknowledgements_->Wait(kPeerPoll);
-    }
+void ExperienceWriter::Step() {
+  TakeProduced();
+  TakeAcknowledgements();
+  NoticePeer();
+  Publish();
+  if (ShowLease()) {
+    SendOrWait();
+  } else {
+    acknowledgements_->Wait(kPeerPoll);
   }
 }
 
 bool ExperienceWriter::ShowLease() {
-  if (lease_ != nullptr && !lease_->Step(Now())) End(Fail(ErrorCode::kExhausted, "{}", lease_->lost()));
+  if (lease_ != nullptr && !lease_->Step(clock_.Now()))
+    End(Fail(ErrorCode::kExhausted, "{}", lease_->lost()));
   return status().has_value();
 }
 
@@ -151,7 +135,7 @@ void ExperienceWriter::OnAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
   if (ack.incarnation != incarnation_) return;
   CountRefusals(ack);
   const uint64_t before = backlog_.acknowledged();
-  switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, Now())) {
+  switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, clock_.Now())) {
     case Backlog::AckEffect::kAccepted:
       alien_since_ = {};
       break;
@@ -187,8 +171,8 @@ void ExperienceWriter::OnAlien(const dadrl_idl_Acknowledgement& ack) {
     spdlog::warn("replay shard {} acknowledges chunk {}, but this actor made only {}: ignored", shard_,
                  ack.stored_sequence, backlog_.last_sequence());
   }
-  if (alien_since_ == TimePoint{}) alien_since_ = Now();
-  if (Now() - alien_since_ < kAlienLimit) return;
+  if (alien_since_ == TimePoint{}) alien_since_ = clock_.Now();
+  if (clock_.Now() - alien_since_ < kAlienLimit) return;
   End(Fail(
       ErrorCode::kCorrupt,
       "replay shard {} acknowledges chunk {} of actor {}, which made only {}: another sends under its number",
@@ -210,11 +194,11 @@ void ExperienceWriter::NoticePeer() {
   if (generation == match_generation_) return;
   match_generation_ = generation;
   told_of_forgotten_ = false;
-  backlog_.OnNewPeer(Now());
+  backlog_.OnNewPeer(clock_.Now());
 }
 
 void ExperienceWriter::SendOrWait() {
-  const Backlog::Chunk* chunk = chunks_->matched() > 0 ? backlog_.Next(Now()) : nullptr;
+  const Backlog::Chunk* chunk = chunks_->matched() > 0 ? backlog_.Next(clock_.Now()) : nullptr;
   if (chunk == nullptr) {
     acknowledgements_->Wait(kPeerPoll);
     return;
@@ -228,7 +212,7 @@ void ExperienceWriter::SendOrWait() {
   message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(chunk->bytes.size());
   const Status sent = chunks_->Write(message);
   if (sent) {
-    backlog_.OnSent(Now());
+    backlog_.OnSent(clock_.Now());
   } else if (sent.error().code != ErrorCode::kUnavailable) {
     spdlog::error("chunk {} was not sent: {}", chunk->sequence, sent.error().message);
     acknowledgements_->Wait(std::chrono::seconds(1));

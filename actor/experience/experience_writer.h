@@ -1,4 +1,4 @@
-// Experience on its way to a replay shard: frames become chunks, chunks are kept until the replay has them.
+// Experience on its way to a replay shard: chunks are kept until the replay has them.
 #pragma once
 
 #include <atomic>
@@ -8,21 +8,21 @@
 #include <vector>
 
 #include "actor/experience/backlog.h"
-#include "actor/experience/experience_sink.h"
+#include "actor/experience/chunking_sink.h"
 #include "actor/experience/lease_holder.h"
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/mutex.h"
 #include "proto/experience.h"
 #include "proto/topics.h"
 
 namespace dadrl {
 
-// The ExperienceSink methods and Flush belong to the simulation thread; the rest may be called by any. A
-// thread of its own sends, repeats and hears acknowledgements, so nothing here waits for the network but
-// Flush.
-class ExperienceWriter final : public ExperienceSink {
+// The ExperienceSink methods, Start and Flush belong to the simulation thread; the rest may be called by any,
+// but for Step, which belongs to the sender thread. That one sends, repeats and hears acknowledgements, so
+// nothing here waits for the network but Flush.
+class ExperienceWriter final : public ChunkingSink {
  public:
   struct Statistics {
     uint64_t chunks = 0;        // produced
@@ -35,24 +35,26 @@ class ExperienceWriter final : public ExperienceSink {
     bool replay_present = false;
   };
 
-  // Writes to shard `actor` mod `shards`. `incarnation` grows with each start of this actor. Borrows `node`,
-  // and `lease`, if there is one: the sender thread shows it, and once it is lost nothing is sent any more.
-  static Result<std::unique_ptr<ExperienceWriter>> Create(const dds::Node& node, const Config& config,
+  // Writes to shard `actor` mod `shards`. `incarnation` grows with each start of this actor. Borrows
+  // `transport`, `clock` and `lease`, if there is one: the sender thread shows it, and once it is lost
+  // nothing is sent any more.
+  static Result<std::unique_ptr<ExperienceWriter>> Create(const Transport& transport, const Config& config,
                                                           uint32_t actor, uint64_t incarnation,
-                                                          LeaseHolder* lease = nullptr);
+                                                          const Clock& clock, LeaseHolder* lease = nullptr);
   // Loses what is not acknowledged: Flush first.
   ~ExperienceWriter() override;
 
-  void BeginEpisode(uint64_t episode) override;
-  void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
-                     uint8_t flags, uint32_t policy_version) override;
-  void AddFinal(const Observation& observation) override;
-  void EndEpisode() override;
+  // Calls Step on a thread of its own from now on.
+  void Start();
+  // Hears and sends what it can, then waits a little for more to do.
+  void Step();
+
   // True while the backlog holds actor.max_unacknowledged_bytes, or while a replay is there that has been
   // given kAhead chunks more than it granted.
   bool blocked() const override;
 
-  // Waits until every chunk is acknowledged, at most `timeout`; false when some are not.
+  // Waits until every chunk is acknowledged, at most `timeout`; false when some are not. Steps meanwhile if
+  // it was not started.
   bool Flush(Duration timeout);
 
   Statistics statistics() const;
@@ -66,13 +68,14 @@ class ExperienceWriter final : public ExperienceSink {
   static constexpr Duration kAlienLimit = std::chrono::seconds(10);
 
  private:
-  using ChunkWriter = dds::Writer<dadrl_idl_ChunkMessage>;
-  using AcknowledgementReader = dds::Reader<dadrl_idl_Acknowledgement>;
+  using ChunkWriter = Writer<dadrl_idl_ChunkMessage>;
+  using AcknowledgementReader = Reader<dadrl_idl_Acknowledgement>;
 
-  ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation, LeaseHolder* lease);
-  void FlushChunk();
+  ExperienceWriter(const Config& config, uint32_t actor, uint64_t incarnation, const Clock& clock,
+                   LeaseHolder* lease);
+  void OnChunk(uint64_t sequence, std::vector<std::byte> bytes) override;
+  void AwaitAcknowledgement(Duration timeout) DADRL_EXCLUDES(mutex_);
   // The rest runs on the sender thread.
-  void Run();
   // False once the replay takes nothing of this actor any more.
   bool ShowLease();
   void TakeProduced();
@@ -89,14 +92,8 @@ class ExperienceWriter final : public ExperienceSink {
   const uint64_t incarnation_;
   LeaseHolder* const lease_;
   const uint32_t shard_;
-  const int chunk_frames_;
   const int64_t max_backlog_bytes_;
-
-  // Simulation thread.
-  ChunkBuilder builder_;
-  uint64_t episode_ = 0;
-  uint32_t next_frame_ = 0;
-  uint64_t sequence_ = 0;
+  const Clock& clock_;
 
   mutable Mutex mutex_;
   CondVar acknowledged_changed_;

@@ -12,12 +12,12 @@ constexpr Duration kHearInterval = std::chrono::milliseconds(50);
 
 }  // namespace
 
-Result<std::unique_ptr<LeaseHolder>> LeaseHolder::Create(const dds::Node& node, const Options& options,
+Result<std::unique_ptr<LeaseHolder>> LeaseHolder::Create(const Transport& transport, const Options& options,
                                                          const Clock& clock) {
   std::unique_ptr<LeaseHolder> holder(new LeaseHolder(options, clock));
   // The reader first: who is asked can already answer.
-  DADRL_ASSIGN_OR_RETURN(holder->answers_, AnswerReader::Create(node, LeaseAnswerTopic(options.token)));
-  DADRL_ASSIGN_OR_RETURN(holder->requests_, RequestWriter::Create(node, kLeaseRequestTopic));
+  DADRL_ASSIGN_OR_RETURN(holder->answers_, AnswerReader::Create(transport, LeaseAnswerTopic(options.token)));
+  DADRL_ASSIGN_OR_RETURN(holder->requests_, RequestWriter::Create(transport, kLeaseRequestTopic));
   return holder;
 }
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/lease.h"
@@ -34,8 +34,8 @@ class LeaseHolder {
   // How long a number that another holds is asked for: as long as the lease of one that has just died.
   static constexpr Duration kPatience = kLeaseTerm + std::chrono::seconds(2);
 
-  // Borrows `node` and `clock`.
-  static Result<std::unique_ptr<LeaseHolder>> Create(const dds::Node& node, const Options& options,
+  // Borrows `transport` and `clock`.
+  static Result<std::unique_ptr<LeaseHolder>> Create(const Transport& transport, const Options& options,
                                                      const Clock& clock);
   // Gives the number back.
   ~LeaseHolder();
@@ -52,8 +52,8 @@ class LeaseHolder {
   bool connected() const { return requests_->matched() > 0; }
 
  private:
-  using RequestWriter = dds::Writer<dadrl_idl_LeaseRequest>;
-  using AnswerReader = dds::Reader<dadrl_idl_LeaseAnswer>;
+  using RequestWriter = Writer<dadrl_idl_LeaseRequest>;
+  using AnswerReader = Reader<dadrl_idl_LeaseAnswer>;
 
   LeaseHolder(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
   void Ask(bool leaving);

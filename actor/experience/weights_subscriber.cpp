@@ -7,11 +7,11 @@
 #include "proto/weights.h"
 
 namespace dadrl {
-Result<std::unique_ptr<WeightsSubscriber>> WeightsSubscriber::Create(const dds::Node& node,
+Result<std::unique_ptr<WeightsSubscriber>> WeightsSubscriber::Create(const Transport& transport,
                                                                      size_t parameter_count,
                                                                      uint64_t layout_hash) {
   std::unique_ptr<WeightsSubscriber> subscriber(new WeightsSubscriber(parameter_count, layout_hash));
-  DADRL_ASSIGN_OR_RETURN(subscriber->reader_, dds::Reader<dadrl_idl_Weights>::Create(node, kWeightsTopic));
+  DADRL_ASSIGN_OR_RETURN(subscriber->reader_, Reader<dadrl_idl_Weights>::Create(transport, kWeightsTopic));
   return subscriber;
 }
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "actor/experience/experience_sink.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "proto/topics.h"
 
 namespace dadrl {
@@ -18,8 +18,8 @@ namespace dadrl {
 // first of it is logged, and the policy in use stays.
 class WeightsSubscriber final : public PolicySource {
  public:
-  // `parameter_count`, `layout_hash`: of the PolicyModel that will load them. Borrows `node`.
-  static Result<std::unique_ptr<WeightsSubscriber>> Create(const dds::Node& node, size_t parameter_count,
+  // `parameter_count`, `layout_hash`: of the PolicyModel that will load them. Borrows `transport`.
+  static Result<std::unique_ptr<WeightsSubscriber>> Create(const Transport& transport, size_t parameter_count,
                                                            uint64_t layout_hash);
 
   uint32_t TakeNewer(uint32_t have, std::vector<float>& parameters) override;
@@ -36,7 +36,7 @@ class WeightsSubscriber final : public PolicySource {
 
   const size_t parameter_count_;
   const uint64_t layout_hash_;
-  std::unique_ptr<dds::Reader<dadrl_idl_Weights>> reader_;
+  std::unique_ptr<Reader<dadrl_idl_Weights>> reader_;
   std::atomic<int64_t> published_ns_{0};
   std::atomic<uint64_t> refused_{0};
   std::atomic<uint64_t> refused_layouts_{0};

@@ -1,8 +1,12 @@
-#include "common/dds/endpoint.h"
+// A node's ports: writers and readers of one topic, RAII over the Cyclone DDS C API.
+#include <dds/dds.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <memory>
 
+#include "common/dds/node.h"
 #include "common/dds/qos.h"
 
 namespace dadrl::dds {
@@ -28,14 +32,43 @@ void Delete(dds_entity_t entity) {
   if (entity > 0) dds_delete(entity);
 }
 
-}  // namespace
+// Incompatible QoS with a peer is logged with the policy's name.
+class DdsWriter final : public WriterPort {
+ public:
+  ~DdsWriter() override {
+    Delete(writer_);
+    Delete(topic_);
+  }
+  Status Open(const Node& node, const TopicSpec& topic);
+  Status Write(const void* sample) override;
+  int matched() const override;
+  uint64_t match_generation() const override;
 
-WriterBase::~WriterBase() {
-  Delete(writer_);
-  Delete(topic_);
-}
+ private:
+  dds_entity_t topic_ = 0;
+  dds_entity_t writer_ = 0;
+};
 
-Status WriterBase::Open(const Node& node, const TopicSpec& topic) {
+// Samples without data (disposals) are skipped.
+class DdsReader final : public ReaderPort {
+ public:
+  ~DdsReader() override;
+  Status Open(const Node& node, const TopicSpec& topic);
+  int Take(int max, Visit visit, void* context) override;
+  bool Wait(Duration timeout) override;
+  void Wake() override;
+  int matched() const override;
+
+ private:
+  dds_entity_t topic_ = 0;
+  dds_entity_t reader_ = 0;
+  dds_entity_t condition_ = 0;
+  dds_entity_t guard_ = 0;
+  dds_entity_t waitset_ = 0;
+  std::atomic<bool> closing_{false};  // read by Cyclone's receive thread
+};
+
+Status DdsWriter::Open(const Node& node, const TopicSpec& topic) {
   DADRL_ASSIGN_OR_RETURN(topic_, CreateTopic(node, topic));
   const Qos qos = WriterQos(topic);
   const Listener listener = MismatchListener(topic.name);
@@ -45,19 +78,19 @@ Status WriterBase::Open(const Node& node, const TopicSpec& topic) {
   return {};
 }
 
-int WriterBase::matched() const {
+int DdsWriter::matched() const {
   dds_publication_matched_status_t status{};
   dds_get_publication_matched_status(writer_, &status);
   return static_cast<int>(status.current_count);
 }
 
-uint64_t WriterBase::match_generation() const {
+uint64_t DdsWriter::match_generation() const {
   dds_publication_matched_status_t status{};
   dds_get_publication_matched_status(writer_, &status);
   return status.total_count;
 }
 
-Status WriterBase::WriteSample(const void* sample) {
+Status DdsWriter::Write(const void* sample) {
   const dds_return_t result = dds_write(writer_, sample);
   if (result == DDS_RETCODE_OK) return {};
   if (result == DDS_RETCODE_TIMEOUT) {
@@ -66,14 +99,14 @@ Status WriterBase::WriteSample(const void* sample) {
   return Fail(ErrorCode::kInternal, "DDS write failed: {}", dds_strretcode(result));
 }
 
-ReaderBase::~ReaderBase() {
+DdsReader::~DdsReader() {
   // Cyclone's receive thread waits inside the delivery to a full reader, and deleting the reader waits for
   // that thread: from here on whatever arrives is filtered away instead.
   closing_ = true;
   for (const dds_entity_t entity : {waitset_, condition_, guard_, reader_, topic_}) Delete(entity);
 }
 
-Status ReaderBase::Open(const Node& node, const TopicSpec& topic) {
+Status DdsReader::Open(const Node& node, const TopicSpec& topic) {
   const dds_entity_t participant = node.participant(topic.plane);
   DADRL_ASSIGN_OR_RETURN(topic_, CreateTopic(node, topic));
   dds_topic_filter filter{};
@@ -103,13 +136,13 @@ Status ReaderBase::Open(const Node& node, const TopicSpec& topic) {
   return {};
 }
 
-int ReaderBase::matched() const {
+int DdsReader::matched() const {
   dds_subscription_matched_status_t status{};
   dds_get_subscription_matched_status(reader_, &status);
   return static_cast<int>(status.current_count);
 }
 
-bool ReaderBase::Wait(Duration timeout) {
+bool DdsReader::Wait(Duration timeout) {
   std::array<dds_attach_t, 2> triggered{};
   const dds_return_t count =
       dds_waitset_wait(waitset_, triggered.data(), triggered.size(), std::max<int64_t>(timeout.count(), 0));
@@ -119,9 +152,9 @@ bool ReaderBase::Wait(Duration timeout) {
   return std::find(triggered.begin(), end, condition_) != end;
 }
 
-void ReaderBase::Wake() { dds_set_guardcondition(guard_, true); }
+void DdsReader::Wake() { dds_set_guardcondition(guard_, true); }
 
-int ReaderBase::TakeSamples(int max, void (*visit)(void* context, const void* sample), void* context) {
+int DdsReader::Take(int max, Visit visit, void* context) {
   int visited = 0;
   while (visited < max) {
     std::array<void*, kTakeAtOnce> samples{};  // null: loans from the reader
@@ -143,6 +176,20 @@ int ReaderBase::TakeSamples(int max, void (*visit)(void* context, const void* sa
     }
   }
   return visited;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<WriterPort>> Node::OpenWriter(const TopicSpec& topic) const {
+  auto writer = std::make_unique<DdsWriter>();
+  DADRL_RETURN_IF_ERROR(writer->Open(*this, topic));
+  return writer;
+}
+
+Result<std::unique_ptr<ReaderPort>> Node::OpenReader(const TopicSpec& topic) const {
+  auto reader = std::make_unique<DdsReader>();
+  DADRL_RETURN_IF_ERROR(reader->Open(*this, topic));
+  return reader;
 }
 
 }  // namespace dadrl::dds

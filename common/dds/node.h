@@ -2,7 +2,7 @@
 //
 // Three domains, because a full reader starves every other topic that its process receives in the same
 // domain, the acknowledgements of what it sends there included: a replay that cannot store for a while would
-// send no batches either. Nothing in the control domain can be full (topic.h).
+// send no batches either. Nothing in the control domain can be full (TopicSpec).
 // Discovery is a star of unicast peers: replay shards and the learner stand at known ports, actors take any
 // port and know only those.
 #pragma once
@@ -17,13 +17,13 @@
 #include <utility>
 
 #include "common/config/config.h"
+#include "common/port/port.h"
 #include "common/util/result.h"
 
 namespace dadrl::dds {
 
 enum class Role : uint32_t { kReplay = 0, kLearner = 1, kActor = 2, kMonitor = 3 };
-// A DDS domain: experience to the replay, batches from it, and all the small rest.
-enum class Plane { kExperience, kControl, kBatches };
+// Each plane is a DDS domain.
 constexpr std::array kPlanes = {Plane::kExperience, Plane::kControl, Plane::kBatches};
 
 // Most replay shards that the ports of a cluster have room for.
@@ -60,7 +60,7 @@ std::string DomainXml(const ClusterConfig& cluster, int replay_shards, Role role
 
 // Thread safe after creation; outlives its endpoints. Several nodes may live in one process (tests do). The
 // environment's CYCLONEDDS_URI is ignored, with a notice: every setting follows from ClusterConfig.
-class Node {
+class Node final : public Transport {
  public:
   // `index`: shard number of a replay, id of an actor, 0 otherwise. Does not wait for peers.
   // A monitor with cluster.port 0 knows shard 0 of every block that FindFreePort may have given out.
@@ -73,9 +73,12 @@ class Node {
   // forbids it takes what it gets, with a warning.
   static Result<std::unique_ptr<Node>> Create(const ClusterConfig& cluster, int replay_shards, Role role,
                                               int index, const std::string& key = {});
-  ~Node();
+  ~Node() override;
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
+
+  Result<std::unique_ptr<WriterPort>> OpenWriter(const TopicSpec& topic) const override;
+  Result<std::unique_ptr<ReaderPort>> OpenReader(const TopicSpec& topic) const override;
 
   // 0 in a plane that the role does not use.
   dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }

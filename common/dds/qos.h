@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "common/dds/topic.h"
+#include "common/port/topic.h"
 
 namespace dadrl::dds {
 

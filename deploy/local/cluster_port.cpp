@@ -10,7 +10,7 @@ namespace {
 std::optional<int> TakenPort(int base, int shards) {
   ClusterConfig cluster;
   cluster.port = base;
-  for (const dds::Plane plane : dds::kPlanes) {
+  for (const Plane plane : dds::kPlanes) {
     for (int place = 0; place <= shards; ++place) {
       const int port = dds::WellKnownPort(cluster, plane, place);
       for (const int offset : {0, 1}) {

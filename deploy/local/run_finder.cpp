@@ -8,8 +8,8 @@
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/dds/address.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/log.h"
 #include "common/util/shown.h"
 #include "proto/topics.h"
@@ -82,7 +82,7 @@ Result<Config> FindRun(const RunPlace& place, Duration patience, const std::func
   cluster.mtu = place.mtu;
   cluster.require_key = !place.key.empty();
   DADRL_ASSIGN_OR_RETURN(const auto node, dds::Node::Create(cluster, 1, dds::Role::kMonitor, 0, place.key));
-  DADRL_ASSIGN_OR_RETURN(const auto reader, dds::Reader<dadrl_idl_RunConfig>::Create(*node, kRunConfigTopic));
+  DADRL_ASSIGN_OR_RETURN(const auto reader, Reader<dadrl_idl_RunConfig>::Create(*node, kRunConfigTopic));
   std::map<int, Config> found;  // by port
   Status failure;
   const SystemClock clock;

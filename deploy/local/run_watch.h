@@ -7,8 +7,8 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
@@ -59,7 +59,7 @@ class RunWatch {
   std::optional<std::string> TakeNotice() { return presence_.TakeNotice(); }
 
  private:
-  using StateReader = dds::Reader<dadrl_idl_RunState>;
+  using StateReader = Reader<dadrl_idl_RunState>;
   RunWatch(const Config& config, std::string key, const Clock& clock);
   // Also when this machine's address has changed: a node keeps the one it began with.
   Status Open();

@@ -11,42 +11,15 @@ constexpr uint64_t kOnlyIncarnation = 1;
 }  // namespace
 
 TableSink::TableSink(const Config& config, ReplayTable& table)
-    : chunk_frames_(config.actor.chunk_frames),
-      table_(table),
-      builder_(DrivingStepSpec(config), config.actor.floats) {}
+    : ChunkingSink(config, 0, kOnlyIncarnation), table_(table) {}
 
-void TableSink::BeginEpisode(uint64_t episode) {
-  episode_ = episode;
-  next_frame_ = 0;
-  builder_.Begin(episode_, next_frame_);
-}
-
-void TableSink::AddTransition(const Observation& observation, std::span<const float> decision, float reward,
-                              uint8_t flags, uint32_t policy_version) {
-  builder_.AddTransition(observation, decision, reward, flags, policy_version);
-  ++next_frame_;
-  if (builder_.frames() >= chunk_frames_ || builder_.full()) Flush();
-}
-
-void TableSink::AddFinal(const Observation& observation) {
-  builder_.AddFinal(observation);
-  ++next_frame_;
-}
-
-void TableSink::EndEpisode() {
-  if (builder_.frames() > 0) Flush();
-}
-
-void TableSink::Flush() {
-  const std::vector<std::byte> chunk =
-      builder_.Finish({.actor = 0, .incarnation = kOnlyIncarnation, .sequence = ++sequence_});
-  builder_.Begin(episode_, next_frame_);
-  auto inserted = table_.Insert(chunk);
+void TableSink::OnChunk(uint64_t sequence, std::vector<std::byte> bytes) {
+  auto inserted = table_.Insert(bytes);
   if (!status_) return;
   if (!inserted) {
     status_ = tl::unexpected<Error>(std::move(inserted.error()));
   } else if (*inserted != ReplayTable::Insertion::kStored) {
-    status_ = Fail(ErrorCode::kInternal, "the replay refused chunk {} of episode {}", sequence_, episode_);
+    status_ = Fail(ErrorCode::kInternal, "the replay refused chunk {}", sequence);
   }
 }
 

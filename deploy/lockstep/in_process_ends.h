@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "actor/experience/experience_sink.h"
+#include "actor/experience/chunking_sink.h"
 #include "common/config/config.h"
 #include "common/step/driving_shape.h"
 #include "learner/batch_source.h"
@@ -17,28 +17,18 @@
 namespace dadrl {
 
 // Chunks go straight into the table. The first failure is kept and ends the training.
-class TableSink final : public ExperienceSink {
+class TableSink final : public ChunkingSink {
  public:
   // Borrows `table`.
   TableSink(const Config& config, ReplayTable& table);
-  void BeginEpisode(uint64_t episode) override;
-  void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
-                     uint8_t flags, uint32_t policy_version) override;
-  void AddFinal(const Observation& observation) override;
-  void EndEpisode() override;
   bool blocked() const override { return false; }
 
   const Status& status() const { return status_; }
 
  private:
-  void Flush();
+  void OnChunk(uint64_t sequence, std::vector<std::byte> bytes) override;
 
-  const int chunk_frames_;
   ReplayTable& table_;
-  ChunkBuilder builder_;
-  uint64_t episode_ = 0;
-  uint32_t next_frame_ = 0;
-  uint64_t sequence_ = 0;
   Status status_;
 };
 

@@ -7,11 +7,11 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<Acknowledger>> Acknowledger::Create(const dds::Node& node, uint32_t shard) {
+Result<std::unique_ptr<Acknowledger>> Acknowledger::Create(const Transport& transport, uint32_t shard) {
   Writers writers;
   for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
     DADRL_ASSIGN_OR_RETURN(writers[group],
-                           dds::Writer<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(group)));
+                           Writer<dadrl_idl_Acknowledgement>::Create(transport, AcknowledgementTopic(group)));
   }
   return std::unique_ptr<Acknowledger>(new Acknowledger(std::move(writers), shard));
 }

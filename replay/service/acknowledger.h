@@ -6,7 +6,7 @@
 #include <memory>
 #include <unordered_map>
 
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
@@ -30,7 +30,7 @@ class Acknowledger {
     bool operator==(const Grant&) const = default;
   };
 
-  static Result<std::unique_ptr<Acknowledger>> Create(const dds::Node& node, uint32_t shard);
+  static Result<std::unique_ptr<Acknowledger>> Create(const Transport& transport, uint32_t shard);
 
   // What is known of an actor; sent by the next Publish, also when it is not news (its last word may have
   // been lost on the way).
@@ -59,7 +59,7 @@ class Acknowledger {
     ChunkRefusal refusal{};
     TimePoint heard{};  // {}: never by this process
   };
-  using Writers = std::array<std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>;
+  using Writers = std::array<std::unique_ptr<Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>;
   Acknowledger(Writers writers, uint32_t shard) : writers_(std::move(writers)), shard_(shard) {}
 
   dadrl_idl_Acknowledgement MessageTo(uint32_t id, const Actor& actor) const;

@@ -33,25 +33,26 @@ int Bounded(uint32_t value) { return static_cast<int>(std::min<uint32_t>(value, 
 
 }  // namespace
 
-Result<std::unique_ptr<BatchServer>> BatchServer::Create(const dds::Node& node, uint32_t shard,
-                                                         ReplayTable& table, const Clock& clock,
+Result<std::unique_ptr<BatchServer>> BatchServer::Create(const Transport& transport, uint32_t shard,
+                                                         ReplayTable& table, Clock& clock,
                                                          std::function<void()> on_sample) {
   Endpoints endpoints;
   DADRL_ASSIGN_OR_RETURN(endpoints.replies,
-                         dds::Writer<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic));
+                         Writer<dadrl_idl_BatchReply>::Create(transport, kBatchReplyTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.priorities,
-                         dds::Reader<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic));
+                         Reader<dadrl_idl_PriorityUpdate>::Create(transport, kPriorityTopic));
   DADRL_ASSIGN_OR_RETURN(endpoints.requests,
-                         dds::Reader<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic));
+                         Reader<dadrl_idl_BatchRequest>::Create(transport, kBatchRequestTopic));
   return std::unique_ptr<BatchServer>(
       new BatchServer(std::move(endpoints), shard, table, clock, std::move(on_sample)));
 }
 
-BatchServer::BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, const Clock& clock,
+BatchServer::BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, Clock& clock,
                          std::function<void()> on_sample)
     : endpoints_(std::move(endpoints)),
       shard_(shard),
       table_(table),
+      clock_(clock),
       on_sample_(std::move(on_sample)),
       ledger_(clock) {}
 
@@ -68,17 +69,24 @@ void BatchServer::Run(const std::atomic<bool>& stop) {
 
 void BatchServer::Work(const std::atomic<bool>& stop) {
   const WorkingThread working("serve");
-  std::vector<std::byte> bytes;
+  Outgoing outgoing;
   while (!stop.load()) {
     Beat();
-    std::optional<Drawn> drawn = AwaitLead();
-    if (!drawn) continue;
-    const Request request = drawn->request;
-    bytes = Read(std::move(*drawn), std::move(bytes));
-    Send(request, bytes, stop);
-    MutexLock serving(serving_mutex_);
-    std::erase(serving_, request.id);
+    Step(outgoing);
   }
+}
+
+void BatchServer::Step(Outgoing& outgoing) {
+  if (!outgoing.request) {
+    std::optional<Drawn> drawn = AwaitLead();
+    if (!drawn) return;
+    outgoing.request = drawn->request;
+    outgoing.bytes = Read(std::move(*drawn), std::move(outgoing.bytes));
+  }
+  if (!Send(*outgoing.request, outgoing.bytes)) return;
+  MutexLock serving(serving_mutex_);
+  std::erase(serving_, outgoing.request->id);
+  outgoing.request.reset();
 }
 
 std::optional<BatchServer::Drawn> BatchServer::AwaitLead() {
@@ -223,21 +231,19 @@ bool BatchServer::Serves(const RequestId& id) const {
   return std::find(serving_.begin(), serving_.end(), id) != serving_.end();
 }
 
-void BatchServer::Send(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop) {
-  while (!bytes.empty() && !stop.load()) {
-    Beat();
-    if (endpoints_.replies->matched() == 0) {
-      SystemClock().SleepFor(kWait);
-    } else if (const Status sent = Reply(request, bytes); sent) {
-      batches_.fetch_add(1);
-      bytes_.fetch_add(bytes.size());
-      return;
-    } else if (sent.error().code != ErrorCode::kUnavailable) {
-      spdlog::error("a batch of {} bytes is lost: {}", bytes.size(), sent.error().message);
-      return;
-    }
-    if (Replaced(request.id.learner)) return;
+bool BatchServer::Send(const Request& request, std::vector<std::byte>& bytes) {
+  if (bytes.empty()) return true;
+  if (endpoints_.replies->matched() == 0) {
+    clock_.SleepFor(kWait);
+  } else if (const Status sent = Reply(request, bytes); sent) {
+    batches_.fetch_add(1);
+    bytes_.fetch_add(bytes.size());
+    return true;
+  } else if (sent.error().code != ErrorCode::kUnavailable) {
+    spdlog::error("a batch of {} bytes is lost: {}", bytes.size(), sent.error().message);
+    return true;
   }
+  return Replaced(request.id.learner);
 }
 
 bool BatchServer::Replaced(uint64_t learner) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
@@ -20,10 +20,11 @@
 
 namespace dadrl {
 
-// One thread runs Run, which starts the others, all of them WorkingThreads; statistics, ledger and Wake are
-// for any. The threads take turns: one leads, that is, waits for requests and draws the next batch; then
-// another leads while it reads, serialises and sends that batch. Batches are drawn in the order of their
-// requests, and may overtake each other on their way out. What waits, and whose it is: request_queue.h.
+// One thread runs Run, which starts the others, all of them WorkingThreads, or each calls Step; statistics,
+// ledger and Wake are for any. The threads take turns: one leads, that is, waits for requests and draws the
+// next batch; then another leads while it reads, serialises and sends that batch. Batches are drawn in the
+// order of their requests, and may overtake each other on their way out. What waits, and whose it is:
+// request_queue.h.
 class BatchServer {
  public:
   // One sends while the other prepares: DDS takes as long for a batch as the table.
@@ -38,10 +39,18 @@ class BatchServer {
 
   // Borrows `table` and `clock`. `on_sample` is called after a batch was drawn: inserts may have been held
   // back for it.
-  static Result<std::unique_ptr<BatchServer>> Create(const dds::Node& node, uint32_t shard,
-                                                     ReplayTable& table, const Clock& clock,
+  static Result<std::unique_ptr<BatchServer>> Create(const Transport& transport, uint32_t shard,
+                                                     ReplayTable& table, Clock& clock,
                                                      std::function<void()> on_sample);
 
+  // What one thread has on its way out.
+  struct Outgoing {
+    std::optional<RequestQueue::Request> request;  // nothing: no batch
+    std::vector<std::byte> bytes;                  // kept for the next batch's memory
+  };
+  // Leads when it is the caller's turn, which draws and serialises the next batch if there may be one, or
+  // waits a little for that; tries to send what it has.
+  void Step(Outgoing& outgoing) DADRL_EXCLUDES(lead_);
   void Run(const std::atomic<bool>& stop);
   // There may be more to sample. Cheap when no request waits for that.
   void Wake();
@@ -52,9 +61,9 @@ class BatchServer {
 
  private:
   struct Endpoints {
-    std::unique_ptr<dds::Reader<dadrl_idl_BatchRequest>> requests;
-    std::unique_ptr<dds::Reader<dadrl_idl_PriorityUpdate>> priorities;
-    std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies;
+    std::unique_ptr<Reader<dadrl_idl_BatchRequest>> requests;
+    std::unique_ptr<Reader<dadrl_idl_PriorityUpdate>> priorities;
+    std::unique_ptr<Writer<dadrl_idl_BatchReply>> replies;
   };
   using RequestId = RequestQueue::Id;
   using Request = RequestQueue::Request;
@@ -64,9 +73,9 @@ class BatchServer {
     DrawnItems items;
   };
 
-  BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, const Clock& clock,
+  BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, Clock& clock,
               std::function<void()> on_sample);
-  void Work(const std::atomic<bool>& stop) DADRL_EXCLUDES(lead_);
+  void Work(const std::atomic<bool>& stop);
 
   // Leads when it is this thread's turn.
   std::optional<Drawn> AwaitLead() DADRL_EXCLUDES(lead_);
@@ -83,9 +92,8 @@ class BatchServer {
 
   // Serialises a batch into `memory`; empty when it cannot be sent.
   std::vector<std::byte> Read(Drawn drawn, std::vector<std::byte> memory);
-  // Tries until it is sent, refused by DDS for good, or its learner replaced, or `stop`.
-  void Send(const Request& request, std::vector<std::byte>& bytes, const std::atomic<bool>& stop)
-      DADRL_EXCLUDES(lead_);
+  // True when there is nothing more to do: it is sent, refused for good, or its learner replaced.
+  bool Send(const Request& request, std::vector<std::byte>& bytes) DADRL_EXCLUDES(lead_);
   bool Serves(const RequestId& id) const DADRL_EXCLUDES(serving_mutex_);
   Status Reply(const Request& request, std::vector<std::byte>& bytes, const std::string& refusal = {});
   bool Replaced(uint64_t learner) DADRL_EXCLUDES(lead_);
@@ -93,6 +101,7 @@ class BatchServer {
   const Endpoints endpoints_;
   const uint32_t shard_;
   ReplayTable& table_;
+  Clock& clock_;
   const std::function<void()> on_sample_;
   TimeLedger ledger_;
 

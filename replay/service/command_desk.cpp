@@ -17,12 +17,12 @@ std::string Describe(uint32_t shard, const RateLimiter::Options& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<CommandDesk>> CommandDesk::Create(const dds::Node& node, uint32_t shard,
+Result<std::unique_ptr<CommandDesk>> CommandDesk::Create(const Transport& transport, uint32_t shard,
                                                          ReplayTable& table, Keeper& keeper,
                                                          std::function<void()> on_limit) {
   // The writer first: who finds the reader can already be answered.
-  DADRL_ASSIGN_OR_RETURN(auto answers, AnswerWriter::Create(node, kReplayAnswerTopic));
-  DADRL_ASSIGN_OR_RETURN(auto commands, CommandReader::Create(node, kReplayCommandTopic));
+  DADRL_ASSIGN_OR_RETURN(auto answers, AnswerWriter::Create(transport, kReplayAnswerTopic));
+  DADRL_ASSIGN_OR_RETURN(auto commands, CommandReader::Create(transport, kReplayCommandTopic));
   return std::unique_ptr<CommandDesk>(
       new CommandDesk(std::move(commands), std::move(answers), shard, table, keeper, std::move(on_limit)));
 }

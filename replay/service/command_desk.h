@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
 #include "replay/service/keeper.h"
@@ -25,15 +25,15 @@ class CommandDesk {
 
   // Borrows `table` and `keeper`. `on_limit` is called after the rate limiter changed: both sides may be
   // waiting.
-  static Result<std::unique_ptr<CommandDesk>> Create(const dds::Node& node, uint32_t shard,
+  static Result<std::unique_ptr<CommandDesk>> Create(const Transport& transport, uint32_t shard,
                                                      ReplayTable& table, Keeper& keeper,
                                                      std::function<void()> on_limit);
   // Takes what has arrived, answers what is done.
   void Serve();
 
  private:
-  using CommandReader = dds::Reader<dadrl_idl_ReplayCommand>;
-  using AnswerWriter = dds::Writer<dadrl_idl_ReplayAnswer>;
+  using CommandReader = Reader<dadrl_idl_ReplayCommand>;
+  using AnswerWriter = Writer<dadrl_idl_ReplayAnswer>;
   using Outcome = Result<std::string>;
   struct Known {
     uint64_t command = 0;

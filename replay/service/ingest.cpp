@@ -21,12 +21,12 @@ constexpr uint64_t kNarrowWindow = 2;
 
 }  // namespace
 
-Result<std::unique_ptr<Ingest>> Ingest::Create(const dds::Node& node, const Config& config, uint32_t shard,
-                                               ReplayTable& table, const Clock& clock,
+Result<std::unique_ptr<Ingest>> Ingest::Create(const Transport& transport, const Config& config,
+                                               uint32_t shard, ReplayTable& table, const Clock& clock,
                                                std::function<void()> on_insert) {
   // The writer first: an actor that finds the reader can already be answered.
-  DADRL_ASSIGN_OR_RETURN(auto acknowledger, Acknowledger::Create(node, shard));
-  DADRL_ASSIGN_OR_RETURN(auto reader, ChunkReader::Create(node, ChunkTopic(static_cast<int>(shard))));
+  DADRL_ASSIGN_OR_RETURN(auto acknowledger, Acknowledger::Create(transport, shard));
+  DADRL_ASSIGN_OR_RETURN(auto reader, ChunkReader::Create(transport, ChunkTopic(static_cast<int>(shard))));
   return std::unique_ptr<Ingest>(new Ingest(std::move(reader), std::move(acknowledger), config.replay, table,
                                             clock, std::move(on_insert)));
 }
@@ -44,15 +44,18 @@ Ingest::Ingest(std::unique_ptr<ChunkReader> reader, std::unique_ptr<Acknowledger
   for (const SequenceTable::Stream& stream : table_.Streams()) acknowledger_->Note(stream);
 }
 
+void Ingest::Step() {
+  const int taken = TakeChunks();
+  acknowledger_->SetGrant(CurrentGrant());
+  const bool more_due = SyncIfPromised() && acknowledger_->Publish(clock_.Now());
+  if (taken == 0) reader_->Wait(more_due ? Acknowledger::kMinInterval : kIdleWait);
+}
+
 void Ingest::Run(const std::atomic<bool>& stop) {
   const WorkingThread working("ingest");
-  bool more_due = false;
   while (!stop.load()) {
     Beat();
-    const int taken = TakeChunks();
-    acknowledger_->SetGrant(CurrentGrant());
-    more_due = SyncIfPromised() && acknowledger_->Publish(clock_.Now());
-    if (taken == 0) reader_->Wait(more_due ? Acknowledger::kMinInterval : kIdleWait);
+    Step();
   }
   while (TakeChunks() > 0) {
   }

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
@@ -16,7 +16,7 @@
 
 namespace dadrl {
 
-// The table's one inserting thread runs Run, a WorkingThread; ledger and Wake are for any.
+// The table's one inserting thread runs Run, a WorkingThread, or calls Step; ledger and Wake are for any.
 //
 // What an acknowledgement promises is replay.sync: always - the chunk is on the device; interval - it
 // survives the death of every process, and reaches the device within replay.sync_interval_s; none - as
@@ -29,11 +29,13 @@ class Ingest {
   static constexpr Duration kRetryInterval = std::chrono::milliseconds(250);
 
   // Borrows `table` and `clock`. `on_insert` is called after chunks were stored: samplers may be waiting.
-  static Result<std::unique_ptr<Ingest>> Create(const dds::Node& node, const Config& config, uint32_t shard,
-                                                ReplayTable& table, const Clock& clock,
+  static Result<std::unique_ptr<Ingest>> Create(const Transport& transport, const Config& config,
+                                                uint32_t shard, ReplayTable& table, const Clock& clock,
                                                 std::function<void()> on_insert);
 
-  // Until `stop`; then takes what has arrived, and says so to the actors.
+  // Takes what is here and answers; waits a little for more when there was nothing.
+  void Step();
+  // Steps until `stop`; then takes what has arrived, and says so to the actors.
   void Run(const std::atomic<bool>& stop);
   // Looks again at what the limiter grants: samples were drawn. Cheap when it withholds nothing.
   void Wake();
@@ -41,7 +43,7 @@ class Ingest {
   const TimeLedger& ledger() const { return ledger_; }
 
  private:
-  using ChunkReader = dds::Reader<dadrl_idl_ChunkMessage>;
+  using ChunkReader = Reader<dadrl_idl_ChunkMessage>;
   Ingest(std::unique_ptr<ChunkReader> reader, std::unique_ptr<Acknowledger> acknowledger,
          const ReplayConfig& replay, ReplayTable& table, const Clock& clock, std::function<void()> on_insert);
   int TakeChunks();

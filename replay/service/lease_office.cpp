@@ -29,14 +29,14 @@ uint32_t DrawFirstAny() {
 
 }  // namespace
 
-Result<std::unique_ptr<LeaseOffice>> LeaseOffice::Create(const dds::Node& node, const Config& config,
+Result<std::unique_ptr<LeaseOffice>> LeaseOffice::Create(const Transport& transport, const Config& config,
                                                          uint64_t schema, uint64_t least_incarnation,
                                                          const Clock& clock) {
   AnswerWriters answers;
   for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
-    DADRL_ASSIGN_OR_RETURN(answers[group], AnswerWriter::Create(node, LeaseAnswerTopic({.low = group})));
+    DADRL_ASSIGN_OR_RETURN(answers[group], AnswerWriter::Create(transport, LeaseAnswerTopic({.low = group})));
   }
-  DADRL_ASSIGN_OR_RETURN(auto requests, RequestReader::Create(node, kLeaseRequestTopic));
+  DADRL_ASSIGN_OR_RETURN(auto requests, RequestReader::Create(transport, kLeaseRequestTopic));
   LeaseTable table(static_cast<uint32_t>(config.actor.count), DrawFirstAny(), clock.Now());
   return std::unique_ptr<LeaseOffice>(new LeaseOffice(std::move(requests), std::move(answers),
                                                       std::move(table), schema, least_incarnation, clock));

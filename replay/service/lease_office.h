@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
@@ -19,15 +19,15 @@ namespace dadrl {
 class LeaseOffice {
  public:
   // `least_incarnation`: above that of every chunk that is stored. Borrows `clock`.
-  static Result<std::unique_ptr<LeaseOffice>> Create(const dds::Node& node, const Config& config,
+  static Result<std::unique_ptr<LeaseOffice>> Create(const Transport& transport, const Config& config,
                                                      uint64_t schema, uint64_t least_incarnation,
                                                      const Clock& clock);
   // Answers what has arrived.
   void Serve();
 
  private:
-  using RequestReader = dds::Reader<dadrl_idl_LeaseRequest>;
-  using AnswerWriter = dds::Writer<dadrl_idl_LeaseAnswer>;
+  using RequestReader = Reader<dadrl_idl_LeaseRequest>;
+  using AnswerWriter = Writer<dadrl_idl_LeaseAnswer>;
   using AnswerWriters = std::array<std::unique_ptr<AnswerWriter>, kAcknowledgementGroups>;
 
   LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,

@@ -40,7 +40,7 @@ TableOptions OptionsOf(const ReplayService::Options& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& options, const Clock& clock) {
+Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& options, Clock& clock) {
   std::unique_ptr<ReplayService> service(new ReplayService(options, clock));
   service->started_ = clock.Now();
   DADRL_ASSIGN_OR_RETURN(service->table_, ReplayTable::Open(OptionsOf(options), clock));
@@ -77,9 +77,9 @@ Status ReplayService::AnnounceRun() {
   message.port = config.cluster.port;
   message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
   message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
-  DADRL_ASSIGN_OR_RETURN(run_config_, dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
+  DADRL_ASSIGN_OR_RETURN(run_config_, Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
   DADRL_RETURN_IF_ERROR(run_config_->Write(message));
-  DADRL_ASSIGN_OR_RETURN(run_state_, dds::Writer<dadrl_idl_RunState>::Create(*node_, kRunStateTopic));
+  DADRL_ASSIGN_OR_RETURN(run_state_, Writer<dadrl_idl_RunState>::Create(*node_, kRunStateTopic));
   SayState(false);
   DADRL_RETURN_IF_ERROR(OpenLeases());
   if (!config.telemetry.enabled) return {};
@@ -116,7 +116,6 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   spdlog::info("shard {} serves {} frames ({} MB on disk)", options_.shard, stats.frames_held,
                stats.disk_bytes / 1000000);
   const Duration status_interval = FromSeconds(options_.config.telemetry.interval_s);
-  SystemClock sleeper;
   TimePoint next_status = clock_.Now();
   while (!stop.load()) {
     const TimePoint now = clock_.Now();
@@ -127,7 +126,7 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
     if (relay_) relay_->Pass();
     if (leases_) leases_->Serve();
     commands_->Serve();
-    sleeper.SleepFor(kTick);
+    clock_.SleepFor(kTick);
   }
   SayState(true);
   stopping = true;

@@ -12,8 +12,8 @@
 #include <memory>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/telemetry.h"
@@ -40,7 +40,7 @@ class ReplayService {
   // Recovers the shard's experience from <run_directory>/replay/shard-K, then joins the cluster; where
   // nothing can be written, to serve what is there. One line says what is wrong when it cannot: port taken,
   // folder not there and not to be made, other schema.
-  static Result<std::unique_ptr<ReplayService>> Create(const Options& options, const Clock& clock);
+  static Result<std::unique_ptr<ReplayService>> Create(const Options& options, Clock& clock);
 
   // Serves until `stop`; then takes what has arrived, forces it to the device and writes its state. Call
   // once.
@@ -49,7 +49,7 @@ class ReplayService {
   const ReplayTable& table() const { return *table_; }
 
  private:
-  ReplayService(const Options& options, const Clock& clock) : options_(options), clock_(clock) {}
+  ReplayService(const Options& options, Clock& clock) : options_(options), clock_(clock) {}
   Status Join();
   Status AnnounceRun();
   Status OpenLeases();
@@ -57,7 +57,7 @@ class ReplayService {
   void PublishStatus();
 
   const Options options_;
-  const Clock& clock_;
+  Clock& clock_;
   TimePoint started_{};
   std::unique_ptr<ReplayTable> table_;
   std::unique_ptr<dds::Node> node_;  // outlives the endpoints below
@@ -66,8 +66,8 @@ class ReplayService {
   std::unique_ptr<Keeper> keeper_;
   std::unique_ptr<CommandDesk> commands_;
   // Shard 0's: for who joins, and for who is out of LCM's reach.
-  std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> run_config_;
-  std::unique_ptr<dds::Writer<dadrl_idl_RunState>> run_state_;
+  std::unique_ptr<Writer<dadrl_idl_RunConfig>> run_config_;
+  std::unique_ptr<Writer<dadrl_idl_RunState>> run_state_;
   std::unique_ptr<LeaseOffice> leases_;
   std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;

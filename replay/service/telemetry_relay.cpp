@@ -9,11 +9,11 @@
 
 namespace dadrl {
 
-Result<std::unique_ptr<TelemetryRelay>> TelemetryRelay::Create(const dds::Node& node,
+Result<std::unique_ptr<TelemetryRelay>> TelemetryRelay::Create(const Transport& transport,
                                                                const ClusterConfig& cluster) {
   std::unique_ptr<TelemetryRelay> relay(new TelemetryRelay);
-  DADRL_ASSIGN_OR_RETURN(relay->out_, dds::Writer<dadrl_idl_Telemetry>::Create(node, kRelayedTelemetryTopic));
-  DADRL_ASSIGN_OR_RETURN(relay->in_, dds::Reader<dadrl_idl_Telemetry>::Create(node, kTelemetryTopic));
+  DADRL_ASSIGN_OR_RETURN(relay->out_, Writer<dadrl_idl_Telemetry>::Create(transport, kRelayedTelemetryTopic));
+  DADRL_ASSIGN_OR_RETURN(relay->in_, Reader<dadrl_idl_Telemetry>::Create(transport, kTelemetryTopic));
   if (auto lcm = LcmSender::Open(TelemetryUrl(cluster))) relay->lcm_ = std::move(*lcm);
   return relay;
 }

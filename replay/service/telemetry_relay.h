@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "common/config/config.h"
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "common/telemetry/lcm_sender.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
@@ -16,7 +16,8 @@ namespace dadrl {
 // Not thread safe; never blocks. Packets that are not what they claim to be are dropped and counted.
 class TelemetryRelay {
  public:
-  static Result<std::unique_ptr<TelemetryRelay>> Create(const dds::Node& node, const ClusterConfig& cluster);
+  static Result<std::unique_ptr<TelemetryRelay>> Create(const Transport& transport,
+                                                        const ClusterConfig& cluster);
   // Passes on what has arrived.
   void Pass();
 
@@ -24,8 +25,8 @@ class TelemetryRelay {
   TelemetryRelay() = default;
   void OnPacket(const dadrl_idl_Telemetry& message);
 
-  std::unique_ptr<dds::Reader<dadrl_idl_Telemetry>> in_;
-  std::unique_ptr<dds::Writer<dadrl_idl_Telemetry>> out_;
+  std::unique_ptr<Reader<dadrl_idl_Telemetry>> in_;
+  std::unique_ptr<Writer<dadrl_idl_Telemetry>> out_;
   std::unique_ptr<LcmSender> lcm_;  // null where the host does not hear its own multicast
   uint64_t rejected_ = 0;
 };

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "common/config/config_yaml.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
 #include "common/io/link_file.h"
 #include "common/io/run_key.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/shown.h"
 
@@ -74,9 +74,9 @@ Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_Repl
   DADRL_ASSIGN_OR_RETURN(
       const auto node, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kMonitor, 0, key));
   DADRL_ASSIGN_OR_RETURN(const auto answers,
-                         dds::Reader<dadrl_idl_ReplayAnswer>::Create(*node, kReplayAnswerTopic));
+                         Reader<dadrl_idl_ReplayAnswer>::Create(*node, kReplayAnswerTopic));
   DADRL_ASSIGN_OR_RETURN(const auto commands,
-                         dds::Writer<dadrl_idl_ReplayCommand>::Create(*node, kReplayCommandTopic));
+                         Writer<dadrl_idl_ReplayCommand>::Create(*node, kReplayCommandTopic));
   command.command = static_cast<uint64_t>(WallTimeNs()) ^ static_cast<uint64_t>(getpid()) << 40;
   std::map<uint32_t, Answer> heard;
   const SystemClock clock;

@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/log.h"
 #include "proto/topics.h"
@@ -41,9 +41,8 @@ class Feeder {
  public:
   Feeder(const Config& config, bool granting)
       : node_(Join(config, dds::Role::kActor, 1)),
-        acknowledgements_(
-            Need(dds::Reader<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(1)))),
-        chunks_(Need(dds::Writer<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)))),
+        acknowledgements_(Need(Reader<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(1)))),
+        chunks_(Need(Writer<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)))),
         granted_(granting ? 1 : UINT64_MAX) {
     while (chunks_->matched() == 0 || acknowledgements_->matched() == 0) {
       SystemClock().SleepFor(std::chrono::milliseconds(10));
@@ -97,8 +96,8 @@ class Feeder {
   }
 
   const std::unique_ptr<dds::Node> node_;
-  const std::unique_ptr<dds::Reader<dadrl_idl_Acknowledgement>> acknowledgements_;
-  const std::unique_ptr<dds::Writer<dadrl_idl_ChunkMessage>> chunks_;
+  const std::unique_ptr<Reader<dadrl_idl_Acknowledgement>> acknowledgements_;
+  const std::unique_ptr<Writer<dadrl_idl_ChunkMessage>> chunks_;
   ChunkStream stream_;
   TimePoint heard_{};
   uint64_t stored_ = 0;
@@ -120,8 +119,8 @@ Numbers NumbersOf(double seconds, double bytes, std::vector<double> waits) {
 
 void TakeChunks(const dds::Node& node, uint64_t chunks) {
   const auto acknowledgements =
-      Need(dds::Writer<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(1)));
-  const auto reader = Need(dds::Reader<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)));
+      Need(Writer<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(1)));
+  const auto reader = Need(Reader<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(0)));
   uint64_t taken = 0;
   while (true) {
     const int now = reader->Take(32, [](const dadrl_idl_ChunkMessage&) {});
@@ -152,8 +151,8 @@ void FeedForEver(const Config& config, bool granting) {
 
 Numbers Fetch(const Config& config, const Fetching& fetching) {
   const auto node = Join(config, dds::Role::kLearner, 0);
-  const auto replies = Need(dds::Reader<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
-  const auto requests = Need(dds::Writer<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
+  const auto replies = Need(Reader<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
+  const auto requests = Need(Writer<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
   while (replies->matched() == 0 || requests->matched() == 0) {
     SystemClock().SleepFor(std::chrono::milliseconds(10));
   }
@@ -200,8 +199,8 @@ Numbers Fetch(const Config& config, const Fetching& fetching) {
 void Mirror(const Config& config, uint64_t chunks, int replies_of, size_t reply_bytes) {
   const auto node = Join(config, dds::Role::kReplay, 0);
   std::thread sink([&] { TakeChunks(*node, chunks); });
-  const auto replies = Need(dds::Writer<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
-  const auto requests = Need(dds::Reader<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
+  const auto replies = Need(Writer<dadrl_idl_BatchReply>::Create(*node, kBatchReplyTopic));
+  const auto requests = Need(Reader<dadrl_idl_BatchRequest>::Create(*node, kBatchRequestTopic));
   std::vector<uint8_t> bytes(reply_bytes, 0x5a);
   while (true) {
     requests->Take(1, [&](const dadrl_idl_BatchRequest& request) {

@@ -1,5 +1,4 @@
-// A learner's node and a replay shard's, in one process over real DDS on loopback. The shard answers only
-// when the test says so.
+// A replay shard that answers only when the test says so.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,9 +9,10 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/port/port.h"
+#include "common/step/driving_shape.h"
 #include "proto/topics.h"
 #include "proto/trajectory_codec.h"
-#include "tests/common/dds/dds_fixture.h"
 #include "tests/proto/synthetic_experience.h"
 
 namespace dadrl {
@@ -49,11 +49,10 @@ class BatchMaker {
 // The replay's end of the wire. Dies and comes back with the object.
 class TestShard {
  public:
-  TestShard(const ClusterConfig& cluster, int shards, int index)
-      : node_(dds::Node::Create(cluster, shards, dds::Role::kReplay, index).value()),
-        requests_(dds::Reader<dadrl_idl_BatchRequest>::Create(*node_, kBatchRequestTopic).value()),
-        replies_(dds::Writer<dadrl_idl_BatchReply>::Create(*node_, kBatchReplyTopic).value()),
-        priorities_(dds::Reader<dadrl_idl_PriorityUpdate>::Create(*node_, kPriorityTopic).value()),
+  TestShard(const Transport& transport, int index)
+      : requests_(Reader<dadrl_idl_BatchRequest>::Create(transport, kBatchRequestTopic).value()),
+        replies_(Writer<dadrl_idl_BatchReply>::Create(transport, kBatchReplyTopic).value()),
+        priorities_(Reader<dadrl_idl_PriorityUpdate>::Create(transport, kPriorityTopic).value()),
         index_(static_cast<uint32_t>(index)) {}
 
   // Requests for this shard that have come so far and were not returned before.
@@ -64,23 +63,8 @@ class TestShard {
     });
     return requests;
   }
-  // Waits for at least `count` requests.
-  std::vector<dadrl_idl_BatchRequest> AwaitRequests(size_t count) {
-    std::vector<dadrl_idl_BatchRequest> requests;
-    EXPECT_TRUE(Eventually([&] {
-      for (const auto& request : TakeRequests()) requests.push_back(request);
-      return requests.size() >= count;
-    }));
-    return requests;
-  }
-  void Reply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes, int claimed_shard = -1) {
-    // The reader may have been discovered a moment after the writer.
-    ASSERT_TRUE(Eventually([&] { return replies_->matched() > 0; }));
-    ASSERT_TRUE(TryReply(learner, request, bytes, claimed_shard));
-  }
-  // Fails while a learner that was killed still counts as there.
-  Status TryReply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes,
-                  int claimed_shard = -1) {
+  // Over DDS it fails while a learner that was killed still counts as there.
+  Status Reply(uint64_t learner, uint64_t request, std::span<const std::byte> bytes, int claimed_shard = -1) {
     dadrl_idl_BatchReply reply{};
     reply.shard = claimed_shard < 0 ? index_ : static_cast<uint32_t>(claimed_shard);
     reply.learner = learner;
@@ -91,22 +75,20 @@ class TestShard {
     reply.bytes = {length, length, buffer, false};
     return replies_->Write(reply);
   }
-  void Refuse(uint64_t learner, uint64_t request, const std::string& reason) {
-    ASSERT_TRUE(Eventually([&] { return replies_->matched() > 0; }));
+  Status Refuse(uint64_t learner, uint64_t request, const std::string& reason) {
     dadrl_idl_BatchReply reply{};
     reply.shard = index_;
     reply.learner = learner;
     reply.request = request;
     reason.copy(reply.refusal, sizeof(reply.refusal) - 1);
-    ASSERT_TRUE(replies_->Write(reply));
+    return replies_->Write(reply);
   }
-  dds::Reader<dadrl_idl_PriorityUpdate>& priorities() { return *priorities_; }
+  Reader<dadrl_idl_PriorityUpdate>& priorities() { return *priorities_; }
 
  private:
-  std::unique_ptr<dds::Node> node_;
-  std::unique_ptr<dds::Reader<dadrl_idl_BatchRequest>> requests_;
-  std::unique_ptr<dds::Writer<dadrl_idl_BatchReply>> replies_;
-  std::unique_ptr<dds::Reader<dadrl_idl_PriorityUpdate>> priorities_;
+  std::unique_ptr<Reader<dadrl_idl_BatchRequest>> requests_;
+  std::unique_ptr<Writer<dadrl_idl_BatchReply>> replies_;
+  std::unique_ptr<Reader<dadrl_idl_PriorityUpdate>> priorities_;
   uint32_t index_;
 };
 

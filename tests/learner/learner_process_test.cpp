@@ -14,6 +14,7 @@
 #include "common/io/read_file.h"
 #include "common/model/policy_file.h"
 #include "learner/checkpoint_store.h"
+#include "tests/common/dds/dds_fixture.h"
 #include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
 #include "tests/learner/cluster_fixture.h"
@@ -90,14 +91,15 @@ class LearnerProcessTest : public testing::Test {
   void StartShard() {
     serving_ = true;
     shard_ = std::thread([this] {
-      TestShard shard(config_.cluster, 1, 0);
+      const auto replay = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0).value();
+      TestShard shard(*replay, 0);
       const auto actor = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 0).value();
-      const auto weights = dds::Reader<dadrl_idl_Weights>::Create(*actor, kWeightsTopic).value();
+      const auto weights = Reader<dadrl_idl_Weights>::Create(*actor, kWeightsTopic).value();
       while (serving_) {
         for (const auto& request : shard.TakeRequests()) {
           // What cannot be sent is asked for again.
           static_cast<void>(
-              shard.TryReply(request.learner, request.request, maker_.Make(16, request.request, newest_)));
+              shard.Reply(request.learner, request.request, maker_.Make(16, request.request, newest_)));
         }
         weights->Take(10, [&](const dadrl_idl_Weights& sample) {
           went_back_ = went_back_ || sample.version <= newest_;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "common/dds/node.h"
 #include "learner/batch_fetcher.h"
 #include "tests/driving_columns.h"
 #include "tests/replay/service/peer_actor.h"
@@ -48,7 +49,11 @@ class SequencesOverDdsTest : public testing::Test {
     node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
   }
   std::unique_ptr<BatchFetcher> Fetcher(const Config& config) const {
-    return BatchFetcher::Create(*node_, config, {kBatch, kLength, true}, 77, [] { return 1u; }, {}).value();
+    auto fetcher =
+        BatchFetcher::Create(*node_, config, {kBatch, kLength, true}, 77, [] { return 1u; }, clock_, {})
+            .value();
+    fetcher->Start();
+    return fetcher;
   }
   // Actor `shard` + 1 drives episodes of 1 to 17 decisions and sends them in chunks of 1 to 4: most sequences
   // cross a border between chunks. The final frame of a truncated episode sometimes is a chunk of its own;
@@ -130,6 +135,7 @@ class SequencesOverDdsTest : public testing::Test {
   TemporaryFolder folder_;
   Config config_;
   std::array<std::unique_ptr<ReplayProcess>, kShards> replays_;
+  const SystemClock clock_;
   std::unique_ptr<dds::Node> node_;
   std::map<std::pair<uint32_t, uint64_t>, Episode> driven_;
 };
@@ -191,12 +197,13 @@ TEST_F(SequencesOverDdsTest, AReplayWithoutThemRefusesTheLearnerWithTheReason) {
 TEST_F(SequencesOverDdsTest, EachKindNeedsAReplayThatServesIt) {
   node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
   const auto newest = [] { return 1u; };
-  const auto transitions = BatchFetcher::Create(*node_, config_, {kBatch}, 77, newest, {});
+  const auto transitions = BatchFetcher::Create(*node_, config_, {kBatch}, 77, newest, clock_, {});
   ASSERT_FALSE(transitions);
   EXPECT_EQ(transitions.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(transitions.error().message, testing::HasSubstr("replay.sequence_period: 2"));
   config_.replay.sequence_length = 0;
-  const auto sequences = BatchFetcher::Create(*node_, config_, {kBatch, kLength, true}, 77, newest, {});
+  const auto sequences =
+      BatchFetcher::Create(*node_, config_, {kBatch, kLength, true}, 77, newest, clock_, {});
   ASSERT_FALSE(sequences);
   EXPECT_EQ(sequences.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(sequences.error().message, testing::HasSubstr("replay.sequence_length: 0"));

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "common/dds/node.h"
 #include "learner/batch_fetcher.h"
 #include "tests/replay/service/peer_actor.h"
 #include "tests/replay/service/replay_process.h"
@@ -31,7 +32,9 @@ class ShardsTest : public testing::Test {
       replays_[static_cast<size_t>(shard)]->Start();
     }
     learner_node_ = dds::Node::Create(config_.cluster, 2, dds::Role::kLearner, 0).value();
-    fetcher_ = BatchFetcher::Create(*learner_node_, config_, {kBatch}, 77, [] { return 1u; }, {}).value();
+    fetcher_ =
+        BatchFetcher::Create(*learner_node_, config_, {kBatch}, 77, [] { return 1u; }, clock_, {}).value();
+    fetcher_->Start();
   }
   // Actor `shard` + 1 fills its shard with episodes of four frames.
   void Fill(int shard, int episodes) {
@@ -57,6 +60,7 @@ class ShardsTest : public testing::Test {
   Config config_;
   std::array<std::unique_ptr<ReplayProcess>, 2> replays_;
   std::unique_ptr<dds::Node> learner_node_;
+  const SystemClock clock_;
   std::unique_ptr<BatchFetcher> fetcher_;
 };
 
@@ -77,9 +81,10 @@ TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
 
 TEST_F(ShardsTest, AShardThatWasStoppedForLongServesAgainAndRefusesNothing) {
   fetcher_.reset();
-  fetcher_ = BatchFetcher::Create(*learner_node_, config_, {kBatch}, 78, [] { return 1u; },
+  fetcher_ = BatchFetcher::Create(*learner_node_, config_, {kBatch}, 78, [] { return 1u; }, clock_,
                                   {.request_timeout = std::chrono::milliseconds(5)})
                  .value();
+  fetcher_->Start();
   Fill(0, 25);
   Fill(1, 25);
   ASSERT_TRUE(Eventually([&] { return Take(5)[1] > 0; }));

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/config/config_yaml.h"
+#include "common/dds/node.h"
 #include "common/io/checksum.h"
 #include "common/model/policy_model.h"
 #include "proto/evaluation/episode_line.h"
@@ -81,7 +82,7 @@ class ActorProcessTest : public ::testing::Test {
   void PublishPolicy(uint32_t version, uint64_t other_layout = 0) {
     if (!learner_) {
       learner_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
-      weights_ = dds::Writer<dadrl_idl_Weights>::Create(*learner_, kWeightsTopic).value();
+      weights_ = Writer<dadrl_idl_Weights>::Create(*learner_, kWeightsTopic).value();
     }
     const auto policy = MakePolicyModel(DrivingShape::From(config_.observation), config_.model).value();
     std::vector<float> parameters(policy->layout().size());
@@ -101,7 +102,7 @@ class ActorProcessTest : public ::testing::Test {
   Config config_;
   ReplayDisk disk_;
   std::unique_ptr<dds::Node> learner_;
-  std::unique_ptr<dds::Writer<dadrl_idl_Weights>> weights_;
+  std::unique_ptr<Writer<dadrl_idl_Weights>> weights_;
 };
 
 TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
@@ -109,12 +110,12 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   const auto incarnation = root_ / "incarnations" / "actor-0";
   std::filesystem::create_directories(incarnation.parent_path());
   std::ofstream(incarnation) << "9000000000000000000\n";
-  ReplayPeer replay(config_.cluster, disk_, 1000);
+  RunningReplayPeer replay(config_.cluster, disk_, 1000);
   auto telemetry = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
   Program actor = Start();
   ASSERT_TRUE(Eventually([&] { return disk_.stored() >= 10; }, std::chrono::seconds(90))) << Read(Log());
   PublishPolicy(1);
-  ASSERT_TRUE(Eventually([&] { return replay.newest_policy_version() == 1; }, std::chrono::seconds(90)))
+  ASSERT_TRUE(Eventually([&] { return replay->newest_policy_version() == 1; }, std::chrono::seconds(90)))
       << Read(Log());
   if (telemetry) {
     ProcessStatus last;
@@ -131,25 +132,25 @@ TEST_F(ActorProcessTest, SendsExperienceAndLeavesNothingUnsentOnSigterm) {
   EXPECT_THAT(Read(Log()), ::testing::Not(HasSubstr("not acknowledged")));
   EXPECT_EQ(std::stoull(Read(incarnation)), 9'000'000'000'000'000'001U);
   const auto chunks = disk_.Copy();
-  EXPECT_EQ(chunks.size(), replay.highest_seen());
+  EXPECT_EQ(chunks.size(), replay->highest_seen());
   for (const auto& chunk : chunks) {
     for (const float reward : chunk.rewards) EXPECT_TRUE(std::isfinite(reward));
   }
 }
 
 TEST_F(ActorProcessTest, DrivesOnWithItsPolicyWhenTheLearnerIsGone) {
-  ReplayPeer replay(config_.cluster, disk_, 1000);
+  RunningReplayPeer replay(config_.cluster, disk_, 1000);
   Program actor = Start();
   ASSERT_TRUE(Eventually([&] { return disk_.stored() >= 1; }, std::chrono::seconds(90))) << Read(Log());
   PublishPolicy(7);
-  ASSERT_TRUE(Eventually([&] { return replay.newest_policy_version() == 7; }, std::chrono::seconds(90)))
+  ASSERT_TRUE(Eventually([&] { return replay->newest_policy_version() == 7; }, std::chrono::seconds(90)))
       << Read(Log());
   weights_.reset();
   learner_.reset();
   const uint64_t before = disk_.stored();
   EXPECT_TRUE(Eventually([&] { return disk_.stored() >= before + 20; }, std::chrono::seconds(90)))
       << Read(Log());
-  EXPECT_EQ(replay.last_policy_version(), 7u);
+  EXPECT_EQ(replay->last_policy_version(), 7u);
   actor.Terminate();
   EXPECT_EQ(actor.Wait(), 0) << Read(Log());
 }
@@ -160,7 +161,7 @@ TEST_F(ActorProcessTest, GoesOnAfterTheReplayWasAway) {
       [&] { return Read(Log()).find("waiting for the replay at 127.0.0.1:") != std::string::npos; },
       std::chrono::seconds(90)));
   for (int round = 1; round <= 2; ++round) {
-    ReplayPeer replay(config_.cluster, disk_, 1000);
+    RunningReplayPeer replay(config_.cluster, disk_, 1000);
     const uint64_t before = disk_.stored();
     EXPECT_TRUE(Eventually([&] { return disk_.stored() >= before + 5; }, std::chrono::seconds(90)))
         << Read(Log());
@@ -169,7 +170,7 @@ TEST_F(ActorProcessTest, GoesOnAfterTheReplayWasAway) {
 }
 
 TEST_F(ActorProcessTest, ARestartedActorDrivesOtherTraffic) {
-  ReplayPeer replay(config_.cluster, disk_, 1000);
+  RunningReplayPeer replay(config_.cluster, disk_, 1000);
   const auto log = root_ / "logs" / "episodes-actor-0.csv";
   const auto rows = [&] {
     const std::string text = Read(log);
@@ -202,7 +203,7 @@ TEST_F(ActorProcessTest, ARestartedActorDrivesOtherTraffic) {
 }
 
 TEST_F(ActorProcessTest, SaysThatItsConfigurationIsNotTheLearners) {
-  ReplayPeer replay(config_.cluster, disk_, 1000);
+  RunningReplayPeer replay(config_.cluster, disk_, 1000);
   PublishPolicy(1, 0xff);
   Program actor = Start();
   EXPECT_EQ(actor.Wait(), 2);

@@ -1,9 +1,11 @@
+// Over memory, on a clock of the test's: writer and replay take turns.
 #include "actor/experience/experience_writer.h"
 
 #include <gmock/gmock.h>
 
 #include <set>
 
+#include "common/port/memory_transport.h"
 #include "common/step/driving_shape.h"
 #include "tests/actor/experience/replay_peer.h"
 
@@ -16,14 +18,23 @@ constexpr uint64_t kIncarnation = 1234567890123;
 class ExperienceWriterTest : public ::testing::Test {
  protected:
   ExperienceWriterTest() : observation_(DrivingShape::From(config_.observation)) {
-    config_.cluster.port = dds::FindFreePort().value();
-    config_.cluster.lease_s = 3.0;
     config_.actor.chunk_frames = 4;
-    node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 3).value();
+    clock_.Advance(std::chrono::hours(1));
   }
-  void MakeWriter() { writer_ = ExperienceWriter::Create(*node_, config_, kActor, kIncarnation).value(); }
-  void StartReplay(uint64_t window) {
-    replay_ = std::make_unique<ReplayPeer>(config_.cluster, disk_, window);
+  void MakeWriter() {
+    writer_ = ExperienceWriter::Create(transport_, config_, kActor, kIncarnation, clock_).value();
+  }
+  void StartReplay(uint64_t window) { replay_ = std::make_unique<ReplayPeer>(transport_, disk_, window); }
+  void Step() {
+    writer_->Step();
+    if (replay_) replay_->Step();
+  }
+  // Steps until `condition` holds, for half a minute of the clock.
+  bool Eventually(const std::function<bool()>& condition) {
+    for (const TimePoint end = clock_.Now() + std::chrono::seconds(30); clock_.Now() < end; Step()) {
+      if (condition()) return true;
+    }
+    return condition();
   }
 
   // An episode of `chunks` whole chunks. Rewards count the transitions of the test.
@@ -36,11 +47,11 @@ class ExperienceWriterTest : public ::testing::Test {
     writer_->EndEpisode();
   }
   void DriveUntilBlocked() {
-    while (!writer_->blocked()) DriveEpisode(1);
+    for (; !writer_->blocked(); Step()) DriveEpisode(1);
   }
   // Every transition of the test is on the disk, once, in order.
   void ExpectEverythingStored() {
-    ASSERT_TRUE(writer_->Flush(std::chrono::seconds(60)));
+    ASSERT_TRUE(Eventually([&] { return writer_->Flush(Duration::zero()); }));
     float expected = 0.0f;
     uint64_t sequence = 0;
     for (const ReplayDisk::Stored& chunk : disk_.Copy()) {
@@ -55,7 +66,8 @@ class ExperienceWriterTest : public ::testing::Test {
   Config config_;
   Observation observation_;
   ReplayDisk disk_;
-  std::unique_ptr<dds::Node> node_;
+  ManualClock clock_;
+  const MemoryTransport transport_{clock_};
   std::unique_ptr<ExperienceWriter> writer_;
   std::unique_ptr<ReplayPeer> replay_;
   uint64_t episode_ = 0;
@@ -73,7 +85,7 @@ TEST_F(ExperienceWriterTest, CutsEpisodesIntoChunks) {
   writer_->EndEpisode();
   writer_->BeginEpisode(8);
   writer_->AddTransition(observation_, Action{}, reward_++, 0, 1);
-  ASSERT_TRUE(writer_->Flush(std::chrono::seconds(60)));
+  ASSERT_TRUE(Eventually([&] { return writer_->Flush(Duration::zero()); }));
   const auto chunks = disk_.Copy();
   ASSERT_EQ(chunks.size(), 3);
   EXPECT_EQ(std::tie(chunks[0].episode, chunks[0].first_frame), std::make_tuple(7u, 0u));

@@ -4,7 +4,7 @@
 #include <array>
 #include <memory>
 
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "proto/topics.h"
 
 namespace dadrl {
@@ -12,12 +12,12 @@ namespace dadrl {
 // Not thread safe.
 class LeaseClerk {
  public:
-  explicit LeaseClerk(const dds::Node& node) {
+  explicit LeaseClerk(const Transport& transport) {
     for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
       answers_[group] =
-          dds::Writer<dadrl_idl_LeaseAnswer>::Create(node, LeaseAnswerTopic({.low = group})).value();
+          Writer<dadrl_idl_LeaseAnswer>::Create(transport, LeaseAnswerTopic({.low = group})).value();
     }
-    requests_ = dds::Reader<dadrl_idl_LeaseRequest>::Create(node, kLeaseRequestTopic).value();
+    requests_ = Reader<dadrl_idl_LeaseRequest>::Create(transport, kLeaseRequestTopic).value();
   }
   void Serve() {
     requests_->Take(16, [this](const dadrl_idl_LeaseRequest& request) {
@@ -34,8 +34,8 @@ class LeaseClerk {
   }
 
  private:
-  std::array<std::unique_ptr<dds::Writer<dadrl_idl_LeaseAnswer>>, kAcknowledgementGroups> answers_;
-  std::unique_ptr<dds::Reader<dadrl_idl_LeaseRequest>> requests_;
+  std::array<std::unique_ptr<Writer<dadrl_idl_LeaseAnswer>>, kAcknowledgementGroups> answers_;
+  std::unique_ptr<Reader<dadrl_idl_LeaseRequest>> requests_;
 };
 
 }  // namespace dadrl

@@ -1,5 +1,4 @@
-// A replay shard that does what a test tells it: takes chunks over real DDS, stores them in order,
-// acknowledges.
+// A replay shard that does what a test tells it: takes chunks, stores them in order, acknowledges.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/dds/endpoint.h"
+#include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/mutex.h"
 #include "proto/experience.h"
 #include "proto/topics.h"
@@ -45,25 +45,24 @@ struct ReplayDisk {
 
 class ReplayPeer {
  public:
-  // Grants `window` sequences beyond what is stored; both may be changed while it runs.
-  ReplayPeer(const ClusterConfig& cluster, ReplayDisk& disk, uint64_t window) : disk_(disk), window_(window) {
-    auto node = dds::Node::Create(cluster, 1, dds::Role::kReplay, 0);
-    EXPECT_TRUE(node) << node.error().message;
-    node_ = std::move(*node);
-    chunks_ = dds::Reader<dadrl_idl_ChunkMessage>::Create(*node_, ChunkTopic(0)).value();
+  // Grants `window` sequences beyond what is stored; both may be changed while it runs. Gone, it is as a
+  // process that was killed: nothing that was received but not taken is kept.
+  ReplayPeer(const Transport& transport, ReplayDisk& disk, uint64_t window)
+      : disk_(disk), window_(window), clerk_(transport) {
+    chunks_ = Reader<dadrl_idl_ChunkMessage>::Create(transport, ChunkTopic(0)).value();
     for (uint32_t group = 0; group < kAcknowledgementGroups; ++group) {
       acknowledgements_[group] =
-          dds::Writer<dadrl_idl_Acknowledgement>::Create(*node_, AcknowledgementTopic(group)).value();
+          Writer<dadrl_idl_Acknowledgement>::Create(transport, AcknowledgementTopic(group)).value();
     }
-    clerk_ = std::make_unique<LeaseClerk>(*node_);
-    thread_ = std::thread([this] { Run(); });
   }
-  // As abrupt as a process's end can be within one: nothing that was received but not taken is kept.
-  ~ReplayPeer() {
-    stopping_ = true;
-    chunks_->Wake();
-    thread_.join();
+
+  // Takes what is there, and answers. One thread at a time.
+  void Step() {
+    clerk_.Serve();
+    chunks_->Take(16, [this](const dadrl_idl_ChunkMessage& message) { OnChunk(message); });
+    if (incarnation_ != 0 && acknowledging_) Acknowledge();
   }
+  void Wait() { chunks_->Wait(std::chrono::milliseconds(20)); }
 
   void set_window(uint64_t window) { window_ = window; }
   void set_acknowledging(bool on) { acknowledging_ = on; }
@@ -78,31 +77,24 @@ class ReplayPeer {
   }
 
  private:
-  void Run() {
-    while (!stopping_) {
-      clerk_->Serve();
-      chunks_->Wait(std::chrono::milliseconds(20));
-      chunks_->Take(16, [this](const dadrl_idl_ChunkMessage& message) {
-        const auto view = ChunkView::Parse(
-            {reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length});
-        ASSERT_TRUE(view) << view.error().message;
-        const ChunkIdentity& identity = view->header().identity;
-        if (identity.incarnation != incarnation_) NewIncarnation();
-        highest_seen_ = std::max<uint64_t>(highest_seen_, identity.sequence);
-        for (int frame = 0; frame < view->frames(); ++frame) {
-          last_policy_version_ = view->policy_version(frame);
-          newest_policy_version_ = std::max<uint32_t>(newest_policy_version_, last_policy_version_);
-        }
-        actor_ = identity.actor;
-        incarnation_ = identity.incarnation;
-        if (lose_ > 0) {
-          --lose_;
-          return;
-        }
-        Store(*view, message.oldest_kept);
-      });
-      if (incarnation_ != 0 && acknowledging_) Acknowledge();
+  void OnChunk(const dadrl_idl_ChunkMessage& message) {
+    const auto view =
+        ChunkView::Parse({reinterpret_cast<const std::byte*>(message.bytes._buffer), message.bytes._length});
+    ASSERT_TRUE(view) << view.error().message;
+    const ChunkIdentity& identity = view->header().identity;
+    if (identity.incarnation != incarnation_) NewIncarnation();
+    highest_seen_ = std::max<uint64_t>(highest_seen_, identity.sequence);
+    for (int frame = 0; frame < view->frames(); ++frame) {
+      last_policy_version_ = view->policy_version(frame);
+      newest_policy_version_ = std::max<uint32_t>(newest_policy_version_, last_policy_version_);
     }
+    actor_ = identity.actor;
+    incarnation_ = identity.incarnation;
+    if (lose_ > 0) {
+      --lose_;
+      return;
+    }
+    Store(*view, message.oldest_kept);
   }
   // This peer knows one incarnation at a time.
   void NewIncarnation() {
@@ -141,11 +133,32 @@ class ReplayPeer {
   std::atomic<uint32_t> last_policy_version_{0};
   uint32_t actor_ = 0;
   uint64_t incarnation_ = 0;
+  LeaseClerk clerk_;
+  std::unique_ptr<Reader<dadrl_idl_ChunkMessage>> chunks_;
+  std::array<std::unique_ptr<Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups> acknowledgements_;
+};
+
+// One over DDS, on a thread of its own.
+class RunningReplayPeer {
+ public:
+  RunningReplayPeer(const ClusterConfig& cluster, ReplayDisk& disk, uint64_t window)
+      : node_(dds::Node::Create(cluster, 1, dds::Role::kReplay, 0).value()), peer_(*node_, disk, window) {
+    thread_ = std::thread([this] {
+      while (!stopping_) {
+        peer_.Step();
+        peer_.Wait();
+      }
+    });
+  }
+  ~RunningReplayPeer() {
+    stopping_ = true;
+    thread_.join();
+  }
+  ReplayPeer* operator->() { return &peer_; }
+
+ private:
   std::unique_ptr<dds::Node> node_;
-  std::unique_ptr<LeaseClerk> clerk_;
-  std::unique_ptr<dds::Reader<dadrl_idl_ChunkMessage>> chunks_;
-  std::array<std::unique_ptr<dds::Writer<dadrl_idl_Acknowledgement>>, kAcknowledgementGroups>
-      acknowledgements_;
+  ReplayPeer peer_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -6,7 +6,7 @@
 
 #include <atomic>
 
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 #include "dds_test_types.h"
 #include "tests/common/dds/dds_fixture.h"
 #include "tests/common/util/eventually.h"

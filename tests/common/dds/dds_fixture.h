@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "dds_test_types.h"
 #include "tests/common/util/eventually.h"
 

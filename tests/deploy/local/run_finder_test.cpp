@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "common/config/config_yaml.h"
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "proto/topics.h"
 
 namespace dadrl {
@@ -23,7 +23,7 @@ class AnnouncedRun {
     config_.algorithm.gamma = 0.77;
     if (yaml.empty()) yaml = ToYaml(config_, false);
     node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0, key).value();
-    writer_ = dds::Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic).value();
+    writer_ = Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic).value();
     dadrl_idl_RunConfig message{};
     message.port = config_.cluster.port;
     message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
@@ -35,7 +35,7 @@ class AnnouncedRun {
  private:
   Config config_;
   std::unique_ptr<dds::Node> node_;
-  std::unique_ptr<dds::Writer<dadrl_idl_RunConfig>> writer_;
+  std::unique_ptr<Writer<dadrl_idl_RunConfig>> writer_;
 };
 
 TEST(RunFinder, BringsTheRunsConfiguration) {

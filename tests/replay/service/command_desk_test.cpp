@@ -8,7 +8,8 @@
 #include <map>
 #include <thread>
 
-#include "tests/common/dds/dds_fixture.h"
+#include "common/port/memory_transport.h"
+#include "tests/common/util/eventually.h"
 #include "tests/replay/test_chunks.h"
 
 namespace dadrl {
@@ -19,7 +20,6 @@ using testing::HasSubstr;
 class CommandDeskTest : public testing::Test {
  protected:
   CommandDeskTest() {
-    const ClusterConfig cluster = dds::LoopbackCluster();
     replay_.min_size = 100;
     replay_.state_interval_s = 3600.0;
     table_ = ReplayTable::Open(
@@ -27,12 +27,9 @@ class CommandDeskTest : public testing::Test {
                  clock_)
                  .value();
     keeper_ = std::make_unique<Keeper>(replay_, 0, folder_.path(), *table_, clock_);
-    replay_node_ = dds::MakeNode(cluster, dds::Role::kReplay);
-    user_node_ = dds::MakeNode(cluster, dds::Role::kMonitor);
-    desk_ = CommandDesk::Create(*replay_node_, 0, *table_, *keeper_, [this] { ++limits_; }).value();
-    answers_ = dds::Reader<dadrl_idl_ReplayAnswer>::Create(*user_node_, kReplayAnswerTopic).value();
-    commands_ = dds::Writer<dadrl_idl_ReplayCommand>::Create(*user_node_, kReplayCommandTopic).value();
-    EXPECT_TRUE(Eventually([&] { return commands_->matched() > 0 && answers_->matched() > 0; }));
+    desk_ = CommandDesk::Create(transport_, 0, *table_, *keeper_, [this] { ++limits_; }).value();
+    answers_ = Reader<dadrl_idl_ReplayAnswer>::Create(transport_, kReplayAnswerTopic).value();
+    commands_ = Writer<dadrl_idl_ReplayCommand>::Create(transport_, kReplayCommandTopic).value();
   }
   ~CommandDeskTest() override {
     stop_ = true;
@@ -78,11 +75,10 @@ class CommandDeskTest : public testing::Test {
   ReplayConfig replay_;
   std::unique_ptr<ReplayTable> table_;
   std::unique_ptr<Keeper> keeper_;
-  std::unique_ptr<dds::Node> replay_node_;
-  std::unique_ptr<dds::Node> user_node_;
+  const MemoryTransport transport_;
   std::unique_ptr<CommandDesk> desk_;
-  std::unique_ptr<dds::Reader<dadrl_idl_ReplayAnswer>> answers_;
-  std::unique_ptr<dds::Writer<dadrl_idl_ReplayCommand>> commands_;
+  std::unique_ptr<Reader<dadrl_idl_ReplayAnswer>> answers_;
+  std::unique_ptr<Writer<dadrl_idl_ReplayCommand>> commands_;
   std::map<uint64_t, std::string> answered_;
   int limits_ = 0;
   std::atomic<bool> stop_{false};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/config_yaml.h"
+#include "common/dds/node.h"
 #include "common/util/log.h"
 #include "tests/replay/service/peer_actor.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "common/util/clock.h"
 #include "proto/topics.h"
 #include "tests/common/util/eventually.h"
@@ -19,11 +19,11 @@ namespace dadrl {
 // from the first unacknowledged again when the replay is another one or has been silent for a while.
 class PeerActor {
  public:
-  PeerActor(const dds::Node& node, uint32_t id, uint64_t incarnation, int shard = 0)
+  PeerActor(const Transport& transport, uint32_t id, uint64_t incarnation, int shard = 0)
       : id_(id), incarnation_(incarnation) {
     acknowledgements_ =
-        dds::Reader<dadrl_idl_Acknowledgement>::Create(node, AcknowledgementTopic(id)).value();
-    chunks_ = dds::Writer<dadrl_idl_ChunkMessage>::Create(node, ChunkTopic(shard)).value();
+        Reader<dadrl_idl_Acknowledgement>::Create(transport, AcknowledgementTopic(id)).value();
+    chunks_ = Writer<dadrl_idl_ChunkMessage>::Create(transport, ChunkTopic(shard)).value();
   }
 
   // A chunk as no sane actor makes it.
@@ -88,8 +88,8 @@ class PeerActor {
   const uint32_t id_;
   const uint64_t incarnation_;
   SystemClock clock_;
-  std::unique_ptr<dds::Reader<dadrl_idl_Acknowledgement>> acknowledgements_;
-  std::unique_ptr<dds::Writer<dadrl_idl_ChunkMessage>> chunks_;
+  std::unique_ptr<Reader<dadrl_idl_Acknowledgement>> acknowledgements_;
+  std::unique_ptr<Writer<dadrl_idl_ChunkMessage>> chunks_;
   std::vector<std::vector<std::byte>> kept_;
   uint64_t stored_ = 0;
   uint64_t granted_ = 1;

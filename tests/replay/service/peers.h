@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "common/dds/endpoint.h"
 #include "common/dds/node.h"
+#include "common/port/port.h"
 #include "proto/topics.h"
 #include "tests/replay/service/peer_actor.h"
 
@@ -23,11 +23,11 @@ class PeerLearner {
     uint64_t frames_inserted = 0;
   };
 
-  PeerLearner(const dds::Node& node, uint64_t incarnation, int n_step)
+  PeerLearner(const Transport& transport, uint64_t incarnation, int n_step)
       : incarnation_(incarnation), n_step_(n_step) {
-    replies_ = dds::Reader<dadrl_idl_BatchReply>::Create(node, kBatchReplyTopic).value();
-    requests_ = dds::Writer<dadrl_idl_BatchRequest>::Create(node, kBatchRequestTopic).value();
-    priorities_ = dds::Writer<dadrl_idl_PriorityUpdate>::Create(node, kPriorityTopic).value();
+    replies_ = Reader<dadrl_idl_BatchReply>::Create(transport, kBatchReplyTopic).value();
+    requests_ = Writer<dadrl_idl_BatchRequest>::Create(transport, kBatchRequestTopic).value();
+    priorities_ = Writer<dadrl_idl_PriorityUpdate>::Create(transport, kPriorityTopic).value();
   }
 
   // Only once the dead one is forgotten is a new one told apart from it.
@@ -89,9 +89,9 @@ class PeerLearner {
   const uint64_t incarnation_;
   const int n_step_;
   uint64_t last_ = 0;
-  std::unique_ptr<dds::Reader<dadrl_idl_BatchReply>> replies_;
-  std::unique_ptr<dds::Writer<dadrl_idl_BatchRequest>> requests_;
-  std::unique_ptr<dds::Writer<dadrl_idl_PriorityUpdate>> priorities_;
+  std::unique_ptr<Reader<dadrl_idl_BatchReply>> replies_;
+  std::unique_ptr<Writer<dadrl_idl_BatchRequest>> requests_;
+  std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> priorities_;
   std::map<uint64_t, std::vector<Reply>> replies_by_request_;
   std::vector<uint64_t> batches_;
 };

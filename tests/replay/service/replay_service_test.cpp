@@ -179,7 +179,7 @@ TEST_F(ReplayServiceTest, EveryKindOfBadChunkIsRefusedByNameAndTheNextIsTaken) {
 
 TEST_F(ReplayServiceTest, TellsWhoJoinsTheConfigurationOfTheRun) {
   Launch();
-  const auto reader = dds::Reader<dadrl_idl_RunConfig>::Create(*actor_node_, kRunConfigTopic).value();
+  const auto reader = Reader<dadrl_idl_RunConfig>::Create(*actor_node_, kRunConfigTopic).value();
   std::string yaml;
   ASSERT_TRUE(Eventually([&] {
     return reader->Take(1, [&](const dadrl_idl_RunConfig& message) {
@@ -193,7 +193,7 @@ TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
   const auto local = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
   Launch();
   const auto elsewhere = TelemetrySubscriber::CreateRelayed(config_).value();
-  const auto writer = dds::Writer<dadrl_idl_Telemetry>::Create(*actor_node_, kTelemetryTopic).value();
+  const auto writer = Writer<dadrl_idl_Telemetry>::Create(*actor_node_, kTelemetryTopic).value();
   const auto send = [&](bool is_episode, std::vector<std::byte> packet) {
     dadrl_idl_Telemetry message{};
     message.is_episode = is_episode;

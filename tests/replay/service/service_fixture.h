@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "common/dds/node.h"
 #include "proto/trajectory_codec.h"
 #include "tests/driving_columns.h"
 #include "tests/replay/service/peers.h"

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "common/dds/node.h"
 #include "replay/service/batch_server.h"
 #include "replay/service/ingest.h"
 #include "tests/replay/service/peers.h"

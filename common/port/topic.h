@@ -4,9 +4,11 @@
 
 #include <dds/dds.h>
 
-#include "common/dds/node.h"
+namespace dadrl {
 
-namespace dadrl::dds {
+// What shares a reader's fate when it is full: experience to the replay, batches from it, and all the small
+// rest.
+enum class Plane { kExperience, kControl, kBatches };
 
 struct TopicSpec {
   const char* name;
@@ -26,4 +28,4 @@ struct TopicSpec {
   int partition = -1;         // only endpoints of the same partition match; -1: the default one
 };
 
-}  // namespace dadrl::dds
+}  // namespace dadrl

@@ -1,22 +1,37 @@
-#include "common/dds/endpoint.h"
+#include "common/port/port.h"
 
 #include <gmock/gmock.h>
 
 #include <numeric>
 #include <thread>
 
+#include "common/port/memory_transport.h"
 #include "tests/common/dds/dds_fixture.h"
-#include "tests/paths.h"
 
 namespace dadrl::dds {
 namespace {
 
-class EndpointTest : public ::testing::Test {
+enum class Body { kDds, kMemory };
+
+class PortTest : public ::testing::TestWithParam<Body> {
  protected:
-  const ClusterConfig cluster_ = LoopbackCluster();
-  std::unique_ptr<Node> replay_ = MakeNode(cluster_, Role::kReplay);
-  std::unique_ptr<Node> actor_ = MakeNode(cluster_, Role::kActor);
+  PortTest() {
+    if (GetParam() == Body::kMemory) return;
+    const ClusterConfig cluster = LoopbackCluster();
+    replay_ = MakeNode(cluster, Role::kReplay);
+    actor_ = MakeNode(cluster, Role::kActor);
+  }
+  const Transport& replay() const { return replay_ ? static_cast<const Transport&>(*replay_) : memory_; }
+  const Transport& actor() const { return actor_ ? static_cast<const Transport&>(*actor_) : memory_; }
+
+ private:
+  const MemoryTransport memory_;
+  std::unique_ptr<Node> replay_;
+  std::unique_ptr<Node> actor_;
 };
+
+INSTANTIATE_TEST_SUITE_P(Transports, PortTest, ::testing::Values(Body::kDds, Body::kMemory),
+                         [](const auto& info) { return info.param == Body::kDds ? "Dds" : "Memory"; });
 
 std::vector<uint32_t> TakeNumbers(BlobReader& reader, int max = 1000) {
   std::vector<uint32_t> numbers;
@@ -24,9 +39,9 @@ std::vector<uint32_t> TakeNumbers(BlobReader& reader, int max = 1000) {
   return numbers;
 }
 
-TEST_F(EndpointTest, DeliversEverySampleWholeAndInOrder) {
-  const auto reader = BlobReader::Create(*replay_, kStream).value();
-  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+TEST_P(PortTest, DeliversEverySampleWholeAndInOrder) {
+  const auto reader = BlobReader::Create(replay(), kStream).value();
+  const auto writer = BlobWriter::Create(actor(), kStream).value();
   ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
   constexpr uint32_t kSamples = 40;
   std::vector<uint8_t> sent(300000);
@@ -50,15 +65,15 @@ TEST_F(EndpointTest, DeliversEverySampleWholeAndInOrder) {
 uint32_t last_number = 0;
 void KeepNumber(const dds_test_Blob& blob) { last_number = blob.number; }
 
-TEST_F(EndpointTest, TakesAnyCallable) {
-  const auto writer = BlobWriter::Create(*replay_, kNewest).value();
+TEST_P(PortTest, TakesAnyCallable) {
+  const auto writer = BlobWriter::Create(replay(), kNewest).value();
   std::vector<uint8_t> bytes(10);
   ASSERT_TRUE(writer->Write(MakeBlob(7, bytes)));
   uint32_t number = 0;
   auto visit = [&number](const dds_test_Blob& blob) mutable { number = blob.number; };
   const auto constant = [&number](const dds_test_Blob& blob) { number = blob.number; };
   const auto take = [&](auto&& visitor) {
-    const auto reader = BlobReader::Create(*actor_, kNewest).value();
+    const auto reader = BlobReader::Create(actor(), kNewest).value();
     EXPECT_TRUE(reader->Wait(std::chrono::seconds(20)));
     EXPECT_EQ(reader->Take(1, visitor), 1);
     return std::exchange(number, 0);
@@ -69,18 +84,18 @@ TEST_F(EndpointTest, TakesAnyCallable) {
   EXPECT_EQ(last_number, 7u);
 }
 
-TEST_F(EndpointTest, GivesALateReaderTheNewestSampleOnly) {
-  const auto writer = BlobWriter::Create(*replay_, kNewest).value();
+TEST_P(PortTest, GivesALateReaderTheNewestSampleOnly) {
+  const auto writer = BlobWriter::Create(replay(), kNewest).value();
   std::vector<uint8_t> bytes(2000000);
   for (uint32_t version = 1; version <= 3; ++version) ASSERT_TRUE(writer->Write(MakeBlob(version, bytes)));
-  const auto reader = BlobReader::Create(*actor_, kNewest).value();
+  const auto reader = BlobReader::Create(actor(), kNewest).value();
   EXPECT_TRUE(reader->Wait(std::chrono::seconds(20)));
   EXPECT_THAT(TakeNumbers(*reader), ::testing::ElementsAre(3));
 }
 
-TEST_F(EndpointTest, PushesBackWhenTheReaderIsFull) {
-  const auto reader = BlobReader::Create(*replay_, kStream).value();
-  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+TEST_P(PortTest, PushesBackWhenTheReaderIsFull) {
+  const auto reader = BlobReader::Create(replay(), kStream).value();
+  const auto writer = BlobWriter::Create(actor(), kStream).value();
   ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
   std::vector<uint8_t> bytes(100000);
   uint32_t sent = 0;
@@ -102,11 +117,11 @@ TEST_F(EndpointTest, PushesBackWhenTheReaderIsFull) {
   for (uint32_t i = 0; i < received.size(); ++i) EXPECT_EQ(received[i], i);
 }
 
-TEST_F(EndpointTest, AFullReaderLeavesTheOtherPlaneAlone) {
-  const auto full = BlobReader::Create(*replay_, kStream).value();
-  const auto newest = BlobReader::Create(*replay_, kNewest).value();
-  const auto stream = BlobWriter::Create(*actor_, kStream).value();
-  const auto control = BlobWriter::Create(*actor_, kNewest).value();
+TEST_P(PortTest, AFullReaderLeavesTheOtherPlaneAlone) {
+  const auto full = BlobReader::Create(replay(), kStream).value();
+  const auto newest = BlobReader::Create(replay(), kNewest).value();
+  const auto stream = BlobWriter::Create(actor(), kStream).value();
+  const auto control = BlobWriter::Create(actor(), kNewest).value();
   ASSERT_TRUE(Eventually([&] { return stream->matched() == 1 && control->matched() == 1; }));
   std::vector<uint8_t> bytes(100000);
   while (stream->Write(MakeBlob(0, bytes))) {
@@ -119,8 +134,8 @@ TEST_F(EndpointTest, AFullReaderLeavesTheOtherPlaneAlone) {
 
 // A reader that comes late, to a writer that has written before, is served on another path inside Cyclone
 // than one that was there from the start.
-TEST_F(EndpointTest, AFullReaderCanLeaveWhileItsWriterGoesOn) {
-  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+TEST_P(PortTest, AFullReaderCanLeaveWhileItsWriterGoesOn) {
+  const auto writer = BlobWriter::Create(actor(), kStream).value();
   std::atomic<bool> stop{false};
   std::atomic<int> refused{0};
   std::thread sender([&] {
@@ -128,7 +143,7 @@ TEST_F(EndpointTest, AFullReaderCanLeaveWhileItsWriterGoesOn) {
     while (!stop) refused += writer->Write(MakeBlob(0, bytes)) ? 0 : 1;
   });
   for (int i = 0; i < 3; ++i) {
-    auto reader = BlobReader::Create(*replay_, kStream).value();
+    auto reader = BlobReader::Create(replay(), kStream).value();
     const int before = refused;
     EXPECT_TRUE(Eventually([&] { return refused > before; }));
     reader = nullptr;
@@ -138,21 +153,21 @@ TEST_F(EndpointTest, AFullReaderCanLeaveWhileItsWriterGoesOn) {
   sender.join();
 }
 
-TEST_F(EndpointTest, PartitionsMatchOnlyTheirOwn) {
+TEST_P(PortTest, PartitionsMatchOnlyTheirOwn) {
   TopicSpec zero = kStream;
   zero.partition = 0;
   TopicSpec one = kStream;
   one.partition = 1;
-  const auto reader_zero = BlobReader::Create(*replay_, zero).value();
-  const auto reader_one = BlobReader::Create(*replay_, one).value();
-  const auto writer = BlobWriter::Create(*actor_, one).value();
+  const auto reader_zero = BlobReader::Create(replay(), zero).value();
+  const auto reader_one = BlobReader::Create(replay(), one).value();
+  const auto writer = BlobWriter::Create(actor(), one).value();
   ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
   EXPECT_TRUE(Eventually([&] { return reader_one->matched() == 1; }));
   EXPECT_EQ(reader_zero->matched(), 0);
 }
 
-TEST_F(EndpointTest, WakeEndsAWaitWithoutASample) {
-  const auto reader = BlobReader::Create(*replay_, kStream).value();
+TEST_P(PortTest, WakeEndsAWaitWithoutASample) {
+  const auto reader = BlobReader::Create(replay(), kStream).value();
   reader->Wake();
   EXPECT_FALSE(reader->Wait(std::chrono::hours(1)));
   std::thread waker([&] { reader->Wake(); });
@@ -161,17 +176,16 @@ TEST_F(EndpointTest, WakeEndsAWaitWithoutASample) {
   EXPECT_FALSE(reader->Wait(Duration::zero()));
 }
 
-TEST_F(EndpointTest, CountsEachNewReaderAsAGeneration) {
-  const auto writer = BlobWriter::Create(*actor_, kStream).value();
+TEST_P(PortTest, CountsEachNewReaderAsAGeneration) {
+  const auto writer = BlobWriter::Create(actor(), kStream).value();
   uint64_t generation = writer->match_generation();
   for (int i = 0; i < 2; ++i) {
-    const auto reader = BlobReader::Create(*replay_, kStream).value();
+    auto reader = BlobReader::Create(replay(), kStream).value();
     ASSERT_TRUE(Eventually([&] { return writer->matched() == 1; }));
     EXPECT_GT(writer->match_generation(), generation);
     generation = writer->match_generation();
-    replay_ = nullptr;  // takes the reader's domain with it
+    reader = nullptr;
     ASSERT_TRUE(Eventually([&] { return writer->matched() == 0; }));
-    replay_ = MakeNode(cluster_, Role::kReplay);
   }
 }
 
