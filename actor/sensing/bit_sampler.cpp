@@ -8,6 +8,8 @@
 #include <numeric>
 #include <utility>
 
+#include "common/util/isa.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -152,19 +154,9 @@ void BitSampler::SampleTiles(const GridSquare& square, std::span<uint8_t> out, S
   }
 }
 
-void BitSampler::SampleScalar(const GridSquare& square, std::span<uint8_t> out) const {
-  SampleTiles(square, out, SampleTileScalar);
-}
-
 void BitSampler::Sample(const GridSquare& square, std::span<uint8_t> out) const {
-#if defined(__x86_64__)
-  static const bool kHasAvx2 = __builtin_cpu_supports("avx2") != 0;
-  if (kHasAvx2) {
-    SampleTiles(square, out, SampleTileAvx2);
-    return;
-  }
-#endif
-  SampleScalar(square, out);
+  const Isa isa = ActiveIsa();
+  SampleTiles(square, out, DADRL_FOR_ISA(isa, SampleTileScalar, SampleTileAvx2, SampleTileAvx2));
 }
 
 }  // namespace dadrl

@@ -29,10 +29,9 @@ class BitSampler {
 
   const BitGrid& grid() const { return grid_; }
 
-  // Bit c % 8 of byte 16 r + c / 8 of `out` is the cell of point (r, c); all points are inside the grid. Uses
-  // AVX2 where the processor has it; SampleScalar is the same without.
+  // Bit c % 8 of byte 16 r + c / 8 of `out` is the cell of point (r, c); all points are inside the grid. The
+  // same on every instruction set (common/util/isa.h).
   void Sample(const GridSquare& square, std::span<uint8_t> out) const;
-  void SampleScalar(const GridSquare& square, std::span<uint8_t> out) const;
 
  private:
   // What the cells around a block of cells are, as far as a tile of 8 x 8 points reaches.

@@ -9,19 +9,16 @@ using nn::kLanes;
 
 namespace {
 
-constexpr std::array<std::array<int, 3>, nn::kConvLayers> kConvShapes = {
-    {{4, 2, 5}, {8, 4, 5}, {16, 8, 5}, {32, 16, 5}, {64, 32, 3}}};  // out, in, kernel
-
 size_t Samples(int blocks) { return static_cast<size_t>(blocks) * kLanes; }
 
 }  // namespace
 
 ContextEncoder ContextEncoder::Add(nn::ParamLayout& layout, const std::string& prefix) {
   ContextEncoder encoder;
-  for (size_t i = 0; i < kConvShapes.size(); ++i) {
-    const auto [out, in, kernel] = kConvShapes[i];
+  for (size_t i = 0; i < nn::kConvLayers; ++i) {
+    const auto [out, in, kernel, weights] = nn::kConvLayerShapes[i];
     const std::string name = prefix + ".conv" + std::to_string(i + 1);
-    const float bound = 1.0f / std::sqrt(static_cast<float>(in * kernel * kernel));
+    const float bound = 1.0f / std::sqrt(static_cast<float>(weights / out));
     encoder.conv_weight[i] = layout.Add(name + ".weight", {out, in, kernel, kernel}, bound);
     encoder.conv_bias[i] = layout.Add(name + ".bias", {out}, bound);
   }

@@ -37,7 +37,7 @@ class CriticValues final : public ValueModel {
  public:
   CriticValues(const DrivingShape& spec, const ModelConfig& model)
       : network_(spec, model),
-        kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+        kernels_(nn::LaneKernelsFor(ActiveIsa())),
         arena_(ArenaFor(network_)),
         block_(arena_, network_),
         parameters_(network_.layout.size()) {}

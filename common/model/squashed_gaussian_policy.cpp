@@ -73,7 +73,7 @@ class SquashedGaussianPolicy final : public PolicyModel {
 SquashedGaussianPolicy::SquashedGaussianPolicy(const DrivingShape& shape, const ModelConfig& model)
     : limits_{model.log_std_min, model.log_std_max},
       network_(shape, model),
-      kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+      kernels_(nn::LaneKernelsFor(ActiveIsa())),
       arena_(ArenaFor(network_, model)),
       stack_(arena_, network_, model),
       parameters_(network_.layout.size()) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kEgo = DrivingShape::kEgoFeatures;
 
-int Sequences(const Stae& stae) { return 1 + stae.attention.vehicles; }
+int Sequences(const Stae& stae) { return 1 + stae.attention.keys; }
 
 }  // namespace
 

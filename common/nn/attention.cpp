@@ -8,7 +8,7 @@ namespace {
 
 AttentionBlock BlockOf(const Attention& attention, const float* parameters, LaneSpan hidden,
                        const AttentionActivations& activations, int block) {
-  return {.vehicles = attention.vehicles,
+  return {.keys = attention.keys,
           .units = attention.units,
           .scale = 1.0f / std::sqrt(static_cast<float>(attention.units)),
           .hidden = hidden.From(attention.units).block(block),
@@ -20,7 +20,7 @@ AttentionBlock BlockOf(const Attention& attention, const float* parameters, Lane
           .total = activations.total.block(block)};
 }
 
-// product += b_v total: the value bias acts as often as there is attention on real vehicles.
+// product += b_v total: the value bias acts as often as there is attention on real keys.
 Product RankOne(const float* column, LaneSpan scale, LaneSpan product, int rows, int blocks) {
   return {.rows = rows,
           .blocks = blocks,
@@ -54,10 +54,10 @@ Product Multiply(const float* weight, bool transposed, int units, LaneSpan input
 
 }  // namespace
 
-Attention Attention::Add(ParamLayout& layout, const std::string& prefix, int units, int vehicles) {
+Attention Attention::Add(ParamLayout& layout, const std::string& prefix, int units, int keys) {
   Attention attention;
   attention.units = units;
-  attention.vehicles = vehicles;
+  attention.keys = keys;
   attention.query = Linear::Add(layout, prefix + ".query", units, units);
   attention.key = Linear::Add(layout, prefix + ".key", units, units);
   attention.value = Linear::Add(layout, prefix + ".value", units, units);
@@ -70,7 +70,7 @@ AttentionActivations::AttentionActivations(Arena& arena, const Attention& attent
       folded(TakeLanes(arena, attention.units, blocks)),
       context(TakeLanes(arena, attention.units, blocks)),
       value(TakeLanes(arena, attention.units, blocks)),
-      weights(TakeLanes(arena, attention.vehicles, blocks)),
+      weights(TakeLanes(arena, attention.keys, blocks)),
       total(TakeLanes(arena, 1, blocks)) {}
 
 AttentionScratch::AttentionScratch(Arena& arena, const Attention& attention, int blocks)

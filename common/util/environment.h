@@ -14,7 +14,7 @@ namespace dadrl {
 constexpr std::string_view kScenariosVariable = "DADRL_SCENARIOS";  // folder of scenarios
 constexpr std::string_view kPoliciesVariable = "DADRL_POLICIES";    // folder of shipped policies
 constexpr std::string_view kBeatsVariable = "DADRL_BEATS";          // set by a supervisor for its children
-constexpr std::string_view kIsaVariable = "DADRL_ISA";              // kernels: scalar, avx2, avx512
+constexpr std::string_view kIsaVariable = "DADRL_ISA";              // of the kernels (isa.h)
 
 // Its value; nothing when it is not set, or empty.
 std::optional<std::string> FromEnvironment(std::string_view variable);

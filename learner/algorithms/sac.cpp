@@ -46,7 +46,7 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
       spec_(DrivingShape::From(config.observation)),
       policy_(spec_, config.model),
       critic_(spec_, config.model),
-      kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+      kernels_(nn::LaneKernelsFor(ActiveIsa())),
       limits_{config.model.log_std_min, config.model.log_std_max},
       policy_parameters_(policy_.layout.size()),
       average_parameters_(policy_.layout.size()),

@@ -20,7 +20,7 @@
 
 namespace {
 
-using dadrl::nn::Isa;
+using dadrl::Isa;
 namespace nn = dadrl::nn;
 
 double ThreadSeconds() {
@@ -170,7 +170,7 @@ void MeasureBatch(Isa isa, int batch, const std::string& images, const std::vect
   const double peak = std::max(peak_before, PeakGflops(isa));
   const auto print = [&](const char* pass, double flops, double seconds) {
     const double gflops = flops * batch / seconds * 1e-9;
-    Print(std::string(nn::IsaName(isa)) + " " + pass + " b" + std::to_string(batch) + " " + images, gflops,
+    Print(std::string(IsaName(isa)) + " " + pass + " b" + std::to_string(batch) + " " + images, gflops,
           "GFLOP/s", peak, gflops / peak);
   };
   print("forward", kForwardFlops, inference);
@@ -190,8 +190,7 @@ void MeasureSingle(Isa isa, const std::string& images, const std::vector<uint8_t
     n = (n + 1) % (context.size() / nn::kContextImageBytes);
   });
   const double limit = kForwardFlops / peak * 1e-9;
-  Print(std::string(nn::IsaName(isa)) + " single " + images, seconds * 1e6, "us", limit * 1e6,
-        limit / seconds);
+  Print(std::string(IsaName(isa)) + " single " + images, seconds * 1e6, "us", limit * 1e6, limit / seconds);
 }
 
 }  // namespace
@@ -202,7 +201,7 @@ int main(int argc, char** argv) {
   }
   const auto roads = Roads(256), noise = Noise(64);
   for (Isa isa : {Isa::kAvx512, Isa::kAvx2}) {
-    if (!nn::SetIsa(isa)) continue;
+    if (!SetIsa(isa)) continue;
     MeasureBatch(isa, 64, "roads", roads);
     MeasureBatch(isa, 256, "roads", roads);
     MeasureBatch(isa, 64, "noise", noise);

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <vector>
 
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -53,10 +53,10 @@ __attribute__((target("avx2,fma"))) inline double SpinAvx2(int steps) {
 inline double CorePeakGflops() {
   double best = 0.0;
 #if defined(__x86_64__)
-  if (nn::ActiveIsa() == nn::Isa::kScalar) return 0.0;
+  if (ActiveIsa() == Isa::kScalar) return 0.0;
   for (int i = 0; i < 10; ++i) {
     const double start = Seconds();
-    const double flops = nn::ActiveIsa() == nn::Isa::kAvx512 ? SpinAvx512(100000) : SpinAvx2(100000);
+    const double flops = ActiveIsa() == Isa::kAvx512 ? SpinAvx512(100000) : SpinAvx2(100000);
     best = std::max(best, flops / (Seconds() - start) * 1e-9);
   }
 #endif

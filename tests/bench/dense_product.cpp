@@ -36,7 +36,7 @@ nn::FloatBuffer Filled(int rows, int columns) {
 }
 
 void Measure(int outputs, int inputs, int batch, const char* what) {
-  const nn::LaneKernels& kernels = nn::LaneKernelsFor(nn::Isa::kAvx512);
+  const nn::LaneKernels& kernels = nn::LaneKernelsFor(Isa::kAvx512);
   const nn::FloatBuffer weight = Filled(outputs, inputs);
   const nn::FloatBuffer input = Filled(batch, inputs);
   nn::FloatBuffer output = Filled(batch, outputs);
@@ -73,7 +73,7 @@ void Measure(int outputs, int inputs, int batch, const char* what) {
 int main(int argc, char** argv) {
   using dadrl::bench::Measure;
   if (dadrl::bench::HelpAsked(argc, argv, "dense_product: our dense product beside Eigen's\n")) return 0;
-  if (dadrl::nn::ActiveIsa() != dadrl::nn::Isa::kAvx512) return 0;
+  if (dadrl::ActiveIsa() != dadrl::Isa::kAvx512) return 0;
   Measure(224, 56, 448, "lstm step");
   Measure(256, 256, 64, "hidden");
   Measure(256, 256, 256, "hidden");

@@ -2,14 +2,17 @@
 #pragma once
 
 #include "common/config/config.h"
+#include "common/nn/kernels/conv_shapes.h"
 
 namespace dadrl::bench {
 
 struct NetworkWork {
-  static constexpr double kConv1 = 4.0 * 2 * 25 * 62 * 62;
-  static constexpr double kConvs = kConv1 + 8.0 * 4 * 25 * 29 * 29 + 16.0 * 8 * 25 * 13 * 13 +
-                                   32.0 * 16 * 25 * 5 * 5 + 64.0 * 32 * 9 * 2 * 2;
-  static constexpr double kContextOutput = 256.0 * 128;
+  template <class Shape>
+  static constexpr double kConv = double{Shape::kWeights} * Shape::kOutSize* Shape::kOutSize;
+  static constexpr double kConv1 = kConv<nn::PaperConv1>;
+  static constexpr double kConvs =
+      kConv1 + kConv<nn::PaperConv2> + kConv<nn::Conv3> + kConv<nn::Conv4> + kConv<nn::Conv5>;
+  static constexpr double kContextOutput = double{nn::kConvFeatures} * 128;
   // Seven sequences of five steps; the first has no state to multiply.
   static constexpr double kLstmInput = 7.0 * 5 * 7 * 224;
   static constexpr double kLstmState = 7.0 * 4 * 56 * 224;

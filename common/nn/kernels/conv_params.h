@@ -2,10 +2,9 @@
 #pragma once
 
 #include "common/nn/kernels/conv_shapes.h"
+#include "common/nn/kernels/lane_count.h"
 
 namespace dadrl::nn {
-
-inline constexpr int kConvGroup = 16;  // images a vector holds; batches are multiples of this
 
 // Tensors in PyTorch's layout, [out][in][row][column] and [out]; lent for the duration of the call.
 struct ConvStackParams {

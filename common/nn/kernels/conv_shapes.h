@@ -41,4 +41,29 @@ using Conv2 = ConvShape<4, 61, 8, 5>;
 static_assert(Conv1::kOutSize == Conv2::kInSize && Conv2::kOutSize == PaperConv2::kOutSize);
 static_assert(Conv5::kOutElements == kConvFeatures);
 
+template <class Shape, class Next>
+inline constexpr bool kConvFollows = (Shape::kOut == Next::kIn) && (Shape::kOutSize == Next::kInSize);
+static_assert(PaperConv1::kIn == kContextPlanes && PaperConv1::kInSize == kContextSide);
+static_assert(kConvFollows<PaperConv1, PaperConv2> && kConvFollows<PaperConv2, Conv3>);
+static_assert(kConvFollows<Conv1, Conv2> && kConvFollows<Conv2, Conv3>);
+static_assert(kConvFollows<Conv3, Conv4> && kConvFollows<Conv4, Conv5>);
+template <class Shape, class Other>
+inline constexpr bool kSameConvWeights = (Shape::kIn == Other::kIn) && (Shape::kOut == Other::kOut) &&
+                                         (Shape::kKernel == Other::kKernel);
+static_assert(kSameConvWeights<Conv1, PaperConv1> && kSameConvWeights<Conv2, PaperConv2>);
+
+// The same by layer, for what goes over them all: weights are [out][in][kernel][kernel].
+struct ConvLayerShape {
+  int out;
+  int in;
+  int kernel;
+  int weights;
+};
+template <class Shape>
+inline constexpr ConvLayerShape kConvLayerShapeOf = {Shape::kOut, Shape::kIn, Shape::kKernel,
+                                                     Shape::kWeights};
+inline constexpr ConvLayerShape kConvLayerShapes[kConvLayers] = {
+    kConvLayerShapeOf<Conv1>, kConvLayerShapeOf<Conv2>, kConvLayerShapeOf<Conv3>, kConvLayerShapeOf<Conv4>,
+    kConvLayerShapeOf<Conv5>};
+
 }  // namespace dadrl::nn

@@ -13,12 +13,7 @@ namespace {
 constexpr std::align_val_t kCacheLine{64};
 
 const ConvKernelTable& Kernels(Isa isa) {
-#if defined(DADRL_HAVE_X86_KERNELS)
-  if (isa == Isa::kAvx512) return avx512::kConvKernels;
-  if (isa == Isa::kAvx2) return avx2::kConvKernels;
-#endif
-  (void)isa;
-  return scalar::kConvKernels;
+  return DADRL_FOR_ISA(isa, scalar::kConvKernels, avx2::kConvKernels, avx512::kConvKernels);
 }
 
 // The largest over the instruction sets, so that memory sized under one serves under another.
@@ -37,27 +32,24 @@ size_t ScratchFloats() {
   return RoundUp(Largest([](const ConvKernelTable& k) { return k.scratch_floats; }));
 }
 
-[[maybe_unused]] bool IsValidBatch(int batch) { return batch >= 0 && batch % kConvGroup == 0; }
+[[maybe_unused]] bool IsValidBatch(int batch) { return batch >= 0 && batch % kLanes == 0; }
 
 }  // namespace
 
 size_t ConvStackWeightCount(int layer) {
-  constexpr size_t kCounts[] = {Conv1::kWeights, Conv2::kWeights, Conv3::kWeights, Conv4::kWeights,
-                                Conv5::kWeights};
   assert(layer >= 0 && layer < kConvLayers);
-  return kCounts[layer];
+  return static_cast<size_t>(kConvLayerShapes[layer].weights);
 }
 
 size_t ConvStackBiasCount(int layer) {
-  constexpr size_t kCounts[] = {Conv1::kOut, Conv2::kOut, Conv3::kOut, Conv4::kOut, Conv5::kOut};
   assert(layer >= 0 && layer < kConvLayers);
-  return kCounts[layer];
+  return static_cast<size_t>(kConvLayerShapes[layer].out);
 }
 
 size_t ConvStackActivationBytes(int batch, bool for_backward) {
   assert(IsValidBatch(batch));
   const size_t group = RoundUp(Largest([](const ConvKernelTable& k) { return k.floats_per_group; }));
-  const size_t groups = for_backward ? static_cast<size_t>(batch / kConvGroup) : 1;
+  const size_t groups = for_backward ? static_cast<size_t>(batch / kLanes) : 1;
   return (ScratchFloats() + groups * group) * sizeof(float);
 }
 

@@ -16,7 +16,7 @@
 #include <memory>
 
 #include "common/nn/kernels/conv_params.h"
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 
 namespace dadrl::nn {
 

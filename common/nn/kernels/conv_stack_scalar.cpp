@@ -1,4 +1,5 @@
 // The portable implementation: for processors without AVX2, and the oracle of the tests.
+#include <algorithm>
 #include <cstring>
 
 #include "common/nn/kernels/conv_reference.h"
@@ -14,11 +15,6 @@ struct Scratch {
   reference::Image<float> image;
   Outputs d_out;
 };
-
-constexpr size_t kLayerWeights[kConvLayers] = {PaperConv1::kWeights, PaperConv2::kWeights, Conv3::kWeights,
-                                               Conv4::kWeights, Conv5::kWeights};
-constexpr size_t kLayerBiases[kConvLayers] = {PaperConv1::kOut, PaperConv2::kOut, Conv3::kOut, Conv4::kOut,
-                                              Conv5::kOut};
 
 reference::Params<float> ToReference(const ConvStackParams& params) {
   reference::Params<float> result;
@@ -40,8 +36,8 @@ void Forward(const uint8_t* context, int batch, const ConvStackParams& params, f
   }
 }
 
-void Store(const double* sums, size_t count, float* out) {
-  for (size_t i = 0; i < count; ++i) out[i] = static_cast<float>(sums[i]);
+void Store(const double* sums, int count, float* out) {
+  for (int i = 0; i < count; ++i) out[i] = static_cast<float>(sums[i]);
 }
 
 void Backward(const uint8_t* context, int batch, const ConvStackParams& params, const float* groups,
@@ -57,8 +53,8 @@ void Backward(const uint8_t* context, int batch, const ConvStackParams& params, 
   const double* const weights[] = {sums.weight1, sums.weight2, sums.weight3, sums.weight4, sums.weight5};
   const double* const biases[] = {sums.bias1, sums.bias2, sums.bias3, sums.bias4, sums.bias5};
   for (int l = 0; l < kConvLayers; ++l) {
-    Store(weights[l], kLayerWeights[l], grads.weight[l]);
-    Store(biases[l], kLayerBiases[l], grads.bias[l]);
+    Store(weights[l], kConvLayerShapes[l].weights, grads.weight[l]);
+    Store(biases[l], kConvLayerShapes[l].out, grads.bias[l]);
   }
 }
 
@@ -74,8 +70,8 @@ void SinglePack(const ConvStackParams& params, float* packed) {
   float* const weights[] = {p->weight1, p->weight2, p->weight3, p->weight4, p->weight5};
   float* const biases[] = {p->bias1, p->bias2, p->bias3, p->bias4, p->bias5};
   for (int l = 0; l < kConvLayers; ++l) {
-    std::memcpy(weights[l], params.weight[l], kLayerWeights[l] * sizeof(float));
-    std::memcpy(biases[l], params.bias[l], kLayerBiases[l] * sizeof(float));
+    std::copy_n(params.weight[l], kConvLayerShapes[l].weights, weights[l]);
+    std::copy_n(params.bias[l], kConvLayerShapes[l].out, biases[l]);
   }
 }
 
@@ -96,7 +92,7 @@ void SingleForward(const uint8_t* context, const float* packed, float* scratch, 
 }  // namespace
 
 const ConvKernelTable kConvKernels = {
-    kConvGroup * sizeof(Outputs) / sizeof(float),
+    kLanes * sizeof(Outputs) / sizeof(float),
     sizeof(Scratch) / sizeof(float),
     Forward,
     Backward,

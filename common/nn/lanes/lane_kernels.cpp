@@ -7,12 +7,7 @@ extern const LaneKernels kLaneKernelsAvx2;
 extern const LaneKernels kLaneKernelsAvx512;
 
 const LaneKernels& LaneKernelsFor(Isa isa) {
-#if defined(__x86_64__)
-  if (isa == Isa::kAvx512) return kLaneKernelsAvx512;
-  if (isa == Isa::kAvx2) return kLaneKernelsAvx2;
-#endif
-  (void)isa;
-  return kLaneKernelsScalar;
+  return DADRL_FOR_ISA(isa, kLaneKernelsScalar, kLaneKernelsAvx2, kLaneKernelsAvx512);
 }
 
 }  // namespace dadrl::nn

@@ -13,11 +13,11 @@
 
 #include <cstddef>
 
-#include "common/nn/kernels/isa.h"
+#include "common/nn/kernels/lane_count.h"
+#include "common/util/isa.h"
 
 namespace dadrl::nn {
 
-constexpr int kLanes = 16;  // samples a block
 constexpr float kLayerNormEpsilon = 1e-5f;
 
 // C[n][i][.] = bias[i] + sum over s < segments, k < depth of A(i, s, k) * B[n](s, k)[.], for `rows` i and
@@ -59,21 +59,21 @@ struct LstmCell {
 
 // One block of single-query attention in the form that needs no keys or values (see attention.h).
 struct AttentionBlock {
-  int vehicles = 0;
+  int keys = 0;  // that the query may attend to
   int units = 0;
   float scale = 1.0f;
-  const float* hidden = nullptr;    // [vehicles][units][16]
-  const float* absent = nullptr;    // [vehicles][16], 1 where masked
+  const float* hidden = nullptr;    // [keys][units][16]
+  const float* absent = nullptr;    // [keys][16], 1 where masked
   const float* query = nullptr;     // [units][16]
   const float* key_bias = nullptr;  // [units], broadcast
   const float* folded = nullptr;    // [units][16], u = W_k^T q
-  float* weights = nullptr;         // [vehicles][16], softmax without the zero slot's share
+  float* weights = nullptr;         // [keys][16], softmax without the zero slot's share
   float* context = nullptr;         // [units][16], sum of weights * hidden
   float* total = nullptr;           // [16], sum of weights
   // Backward only.
   const float* context_gradient = nullptr;  // [units][16]
   const float* total_gradient = nullptr;    // [16]
-  float* hidden_gradient = nullptr;         // [vehicles][units][16], written
+  float* hidden_gradient = nullptr;         // [keys][units][16], written
   float* folded_gradient = nullptr;         // [units][16], written
   float* bias_score_gradient = nullptr;     // [16], of q . b_k, written
 };

@@ -28,11 +28,11 @@ DADRL_INLINE void StoreTile(const Product& p, Lanes (&sum)[Rows][Blocks], float*
 #pragma GCC unroll 16
     for (int j = 0; j < Blocks; ++j) {
       float* to = c + i * p.c_row + j * p.c_block;
-      const int width = partial && j == Blocks - 1 ? p.last_width : kWidth;
+      const int width = partial && j == Blocks - 1 ? p.last_width : kLanes;
       Lanes value = sum[i][j];
-      if (p.accumulate) value += width == kWidth ? Load(to) : LoadPart(to, width);
+      if (p.accumulate) value += width == kLanes ? Load(to) : LoadPart(to, width);
       if (p.relu) value = Relu(value);
-      if (width == kWidth) {
+      if (width == kLanes) {
         Store(to, value);
       } else {
         StorePart(to, value, width);
@@ -66,7 +66,7 @@ __attribute__((noinline)) void Tile(const Product& p, int row, int block) {
     }
   }
   StoreTile<Rows, Blocks>(p, sum, p.c + row * p.c_row + block * p.c_block,
-                          p.last_width < kWidth && block + Blocks == p.blocks);
+                          p.last_width < kLanes && block + Blocks == p.blocks);
 }
 
 // All rows of `Blocks` blocks, largest tiles first.

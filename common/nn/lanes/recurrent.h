@@ -8,8 +8,8 @@ namespace dadrl::nn {
 namespace {
 
 void LstmForward(const LstmCell& s) {
-  const ptrdiff_t gate = ptrdiff_t{s.units} * kWidth;
-  for (ptrdiff_t j = 0; j < gate; j += kWidth) {
+  const ptrdiff_t gate = ptrdiff_t{s.units} * kLanes;
+  for (ptrdiff_t j = 0; j < gate; j += kLanes) {
     const Lanes input = Sigmoid(Load(s.gates + j));
     const Lanes forget = Sigmoid(Load(s.gates + gate + j));
     const Lanes candidate = Tanh(Load(s.gates + 2 * gate + j));
@@ -28,8 +28,8 @@ void LstmForward(const LstmCell& s) {
 }
 
 void LstmBackward(const LstmCell& s) {
-  const ptrdiff_t gate = ptrdiff_t{s.units} * kWidth;
-  for (ptrdiff_t j = 0; j < gate; j += kWidth) {
+  const ptrdiff_t gate = ptrdiff_t{s.units} * kLanes;
+  for (ptrdiff_t j = 0; j < gate; j += kLanes) {
     const Lanes input = Load(s.gates + j);
     const Lanes forget = Load(s.gates + gate + j);
     const Lanes candidate = Load(s.gates + 2 * gate + j);
@@ -51,66 +51,66 @@ constexpr float kMaskedScore = -1e30f;
 
 DADRL_INLINE Lanes Dot(const float* a, const float* b, int units) {
   Lanes sums[4] = {};
-  for (int j = 0; j < units; ++j) sums[j & 3] += Load(a + j * kWidth) * Load(b + j * kWidth);
+  for (int j = 0; j < units; ++j) sums[j & 3] += Load(a + j * kLanes) * Load(b + j * kLanes);
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
 void AttentionForward(const AttentionBlock& s) {
-  const ptrdiff_t stride = ptrdiff_t{s.units} * kWidth;
+  const ptrdiff_t stride = ptrdiff_t{s.units} * kLanes;
   Lanes bias = {};
-  for (int j = 0; j < s.units; ++j) bias += Load(s.query + j * kWidth) * s.key_bias[j];
+  for (int j = 0; j < s.units; ++j) bias += Load(s.query + j * kLanes) * s.key_bias[j];
   Lanes highest = {};  // the zero slot's score
-  for (int v = 0; v < s.vehicles; ++v) {
+  for (int v = 0; v < s.keys; ++v) {
     Lanes score = (Dot(s.folded, s.hidden + v * stride, s.units) + bias) * s.scale;
-    score = Load(s.absent + v * kWidth) > 0.5f ? Splat(kMaskedScore) : score;
+    score = Load(s.absent + v * kLanes) > 0.5f ? Splat(kMaskedScore) : score;
     highest = score > highest ? score : highest;
-    Store(s.weights + v * kWidth, score);
+    Store(s.weights + v * kLanes, score);
   }
   Lanes sum = Exp(-highest);
-  for (int v = 0; v < s.vehicles; ++v) {
-    const Lanes absent = Load(s.absent + v * kWidth);
-    Lanes weight = Exp(Load(s.weights + v * kWidth) - highest);
+  for (int v = 0; v < s.keys; ++v) {
+    const Lanes absent = Load(s.absent + v * kLanes);
+    Lanes weight = Exp(Load(s.weights + v * kLanes) - highest);
     weight = absent > 0.5f ? Lanes{} : weight;
     sum += weight;
-    Store(s.weights + v * kWidth, weight);
+    Store(s.weights + v * kLanes, weight);
   }
   const Lanes inverse = 1.0f / sum;
   Lanes total = {};
-  for (int v = 0; v < s.vehicles; ++v) {
-    const Lanes weight = Load(s.weights + v * kWidth) * inverse;
+  for (int v = 0; v < s.keys; ++v) {
+    const Lanes weight = Load(s.weights + v * kLanes) * inverse;
     total += weight;
-    Store(s.weights + v * kWidth, weight);
+    Store(s.weights + v * kLanes, weight);
   }
   Store(s.total, total);
   for (int j = 0; j < s.units; ++j) {
     Lanes context = {};
-    for (int v = 0; v < s.vehicles; ++v) {
-      context += Load(s.weights + v * kWidth) * Load(s.hidden + v * stride + j * kWidth);
+    for (int v = 0; v < s.keys; ++v) {
+      context += Load(s.weights + v * kLanes) * Load(s.hidden + v * stride + j * kLanes);
     }
-    Store(s.context + j * kWidth, context);
+    Store(s.context + j * kLanes, context);
   }
 }
 
 void AttentionBackward(const AttentionBlock& s) {
-  const ptrdiff_t stride = ptrdiff_t{s.units} * kWidth;
+  const ptrdiff_t stride = ptrdiff_t{s.units} * kLanes;
   Lanes projected = {};  // sum of weight * its gradient; the zero slot's gradient is zero
-  for (int v = 0; v < s.vehicles; ++v) {
+  for (int v = 0; v < s.keys; ++v) {
     const Lanes g = Dot(s.context_gradient, s.hidden + v * stride, s.units) + Load(s.total_gradient);
-    projected += g * Load(s.weights + v * kWidth);
+    projected += g * Load(s.weights + v * kLanes);
     Store(s.hidden_gradient + v * stride, g);  // parked until the next loop
   }
   Lanes bias_gradient = {};
-  for (int j = 0; j < s.units; ++j) Store(s.folded_gradient + j * kWidth, Lanes{});
-  for (int v = 0; v < s.vehicles; ++v) {
-    const Lanes weight = Load(s.weights + v * kWidth);
+  for (int j = 0; j < s.units; ++j) Store(s.folded_gradient + j * kLanes, Lanes{});
+  for (int v = 0; v < s.keys; ++v) {
+    const Lanes weight = Load(s.weights + v * kLanes);
     const Lanes score = weight * (Load(s.hidden_gradient + v * stride) - projected) * s.scale;
     bias_gradient += score;
     for (int j = 0; j < s.units; ++j) {
-      const ptrdiff_t at = v * stride + j * kWidth;
-      Store(s.folded_gradient + j * kWidth,
-            Load(s.folded_gradient + j * kWidth) + score * Load(s.hidden + at));
+      const ptrdiff_t at = v * stride + j * kLanes;
+      Store(s.folded_gradient + j * kLanes,
+            Load(s.folded_gradient + j * kLanes) + score * Load(s.hidden + at));
       Store(s.hidden_gradient + at,
-            weight * Load(s.context_gradient + j * kWidth) + score * Load(s.folded + j * kWidth));
+            weight * Load(s.context_gradient + j * kLanes) + score * Load(s.folded + j * kLanes));
     }
   }
   Store(s.bias_score_gradient, bias_gradient);

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "common/nn/kernels/lane_count.h"
+
 namespace dadrl::nn {
 namespace {
 
@@ -13,7 +15,7 @@ namespace {
 // Sixteen samples. One register with AVX-512, two with AVX2, four with SSE2: the compiler splits it.
 typedef float Lanes __attribute__((vector_size(64)));
 typedef uint32_t LaneBits __attribute__((vector_size(64)));
-constexpr int kWidth = 16;
+static_assert(sizeof(Lanes) == kLanes * sizeof(float));
 
 DADRL_INLINE Lanes Load(const float* from) {
   Lanes value;
@@ -25,7 +27,7 @@ DADRL_INLINE void Store(float* to, const Lanes& value) { __builtin_memcpy(to, &v
 
 // The first `count` of sixteen, the rest zero.
 DADRL_INLINE Lanes LoadPart(const float* from, int count) {
-  float all[kWidth] = {};
+  float all[kLanes] = {};
   for (int i = 0; i < count; ++i) all[i] = from[i];
   return Load(all);
 }
@@ -42,7 +44,7 @@ DADRL_INLINE Lanes Relu(const Lanes& x) { return x < 0.0f ? Lanes{} : x; }
 
 DADRL_INLINE Lanes Sqrt(const Lanes& x) {
   Lanes root;
-  for (int i = 0; i < kWidth; ++i) root[i] = __builtin_sqrtf(x[i]);
+  for (int i = 0; i < kLanes; ++i) root[i] = __builtin_sqrtf(x[i]);
   return root;
 }
 
@@ -74,29 +76,29 @@ DADRL_INLINE Lanes Tanh(const Lanes& x) { return 1.0f - 2.0f / (1.0f + Exp(2.0f 
 
 // Transposes a 16 x 16 block held in sixteen vectors: four rounds that exchange ever smaller off-diagonal
 // blocks.
-DADRL_INLINE void Transpose(Lanes (&v)[kWidth]) {
-  for (int i = 0; i < kWidth; ++i) {
+DADRL_INLINE void Transpose(Lanes (&v)[kLanes]) {
+  for (int i = 0; i < kLanes; ++i) {
     if ((i & 8) != 0) continue;
     const Lanes a = v[i];
     const Lanes b = v[i + 8];
     v[i] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
     v[i + 8] = __builtin_shufflevector(a, b, 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
   }
-  for (int i = 0; i < kWidth; ++i) {
+  for (int i = 0; i < kLanes; ++i) {
     if ((i & 4) != 0) continue;
     const Lanes a = v[i];
     const Lanes b = v[i + 4];
     v[i] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 16, 17, 18, 19, 8, 9, 10, 11, 24, 25, 26, 27);
     v[i + 4] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 20, 21, 22, 23, 12, 13, 14, 15, 28, 29, 30, 31);
   }
-  for (int i = 0; i < kWidth; ++i) {
+  for (int i = 0; i < kLanes; ++i) {
     if ((i & 2) != 0) continue;
     const Lanes a = v[i];
     const Lanes b = v[i + 2];
     v[i] = __builtin_shufflevector(a, b, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29);
     v[i + 2] = __builtin_shufflevector(a, b, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
   }
-  for (int i = 0; i < kWidth; ++i) {
+  for (int i = 0; i < kLanes; ++i) {
     if ((i & 1) != 0) continue;
     const Lanes a = v[i];
     const Lanes b = v[i + 1];

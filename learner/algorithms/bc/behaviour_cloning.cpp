@@ -50,7 +50,7 @@ BehaviourCloning::BehaviourCloning(const Config& config)
     : config_(config),
       declared_(SpecOf(config)),
       network_(DrivingShape::From(config.observation), config.model),
-      kernels_(nn::LaneKernelsFor(nn::ActiveIsa())),
+      kernels_(nn::LaneKernelsFor(ActiveIsa())),
       parameters_(network_.layout.size()),
       moments_(network_.layout.size()),
       padded_(nn::RoundUp(static_cast<size_t>(config.algorithm.batch_size), kLanes) *

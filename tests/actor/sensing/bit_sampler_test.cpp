@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/util/random.h"
+#include "tests/common/util/isa_scope.h"
 
 namespace dadrl {
 namespace {
@@ -34,10 +35,13 @@ GridSquare Turned(Point centre, double heading, double spacing) {
 // Compares every point with the cell it is in. Returns how many are set.
 int CheckEveryPoint(const BitSampler& sampler, const GridSquare& square) {
   std::vector<uint8_t> fast(kSize * kSize / 8, 0xaa);
-  std::vector<uint8_t> scalar(kSize * kSize / 8, 0x55);
   sampler.Sample(square, fast);
-  sampler.SampleScalar(square, scalar);
-  EXPECT_EQ(fast, scalar);
+  for (const Isa isa : {Isa::kScalar, Isa::kAvx2}) {
+    const IsaScope scope(isa);
+    std::vector<uint8_t> other(kSize * kSize / 8, 0x55);
+    sampler.Sample(square, other);
+    EXPECT_EQ(fast, other) << IsaName(ActiveIsa());
+  }
   int set = 0;
   int wrong = 0;
   for (int row = 0; row < kSize; ++row) {

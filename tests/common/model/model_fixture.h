@@ -34,7 +34,7 @@ inline Observation OneOf(const Columns& batch, const DrivingShape& spec, int sam
 class EncoderRun {
  public:
   EncoderRun(const Encoder& encoder, const Columns& batch, bool keep)
-      : encoder_(encoder), kernels_(nn::LaneKernelsFor(nn::ActiveIsa())), samples_(batch.rows()) {
+      : encoder_(encoder), kernels_(nn::LaneKernelsFor(ActiveIsa())), samples_(batch.rows()) {
     const int blocks = nn::BlocksOf(batch.rows());
     nn::Arena measure;
     LayOut(measure, blocks, keep);
@@ -86,13 +86,13 @@ class ModelOnEveryIsa : public nn::EveryIsa {
   void SetUp() override {
     EveryIsa::SetUp();
     if (!IsSkipped()) {
-      ASSERT_TRUE(nn::SetIsa(GetParam()));
+      ASSERT_TRUE(SetIsa(GetParam()));
     }
   }
-  void TearDown() override { nn::SetIsa(before_); }
+  void TearDown() override { SetIsa(before_); }
 
  private:
-  nn::Isa before_ = nn::ActiveIsa();
+  Isa before_ = ActiveIsa();
 };
 
 }  // namespace dadrl

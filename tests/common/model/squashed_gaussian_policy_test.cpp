@@ -26,7 +26,7 @@ std::vector<float> BatchedOutput(const PolicyNetwork& network, const std::vector
   nn::Arena arena(measure.used());
   const MlpActivations activations(arena, network.head, blocks);
   nn::FloatBuffer output = nn::LaneBuffer(samples, 4);
-  MlpForward(nn::LaneKernelsFor(nn::ActiveIsa()), network.head, aligned.data(), run.features(), blocks,
+  MlpForward(nn::LaneKernelsFor(ActiveIsa()), network.head, aligned.data(), run.features(), blocks,
              activations, nn::Contiguous(output.data(), 4));
   return nn::ToRowVector(nn::Contiguous(output.data(), 4), samples, 4);
 }

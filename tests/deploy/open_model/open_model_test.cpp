@@ -8,7 +8,7 @@
 #include "common/io/npy.h"
 #include "common/model/networks.h"
 #include "common/model/policy_file.h"
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 #include "tests/deploy/cli/run_command.h"
 #include "tests/golden/golden.h"
 #include "tests/paths.h"
@@ -158,10 +158,10 @@ TEST_F(OpenModelTest, NumPyAgreesOnAblationsAndOtherSizes) {
 TEST_F(OpenModelTest, NumPyAgreesOnEveryInstructionSet) {
   SavePolicyOf();
   const Json best = Json::parse(Act().out);
-  for (const nn::Isa isa : {nn::Isa::kAvx2, nn::Isa::kScalar}) {
-    if (isa >= nn::DetectIsa()) continue;  // that one is what the other tests run
-    SCOPED_TRACE(nn::IsaName(isa));
-    ASSERT_EQ(setenv("DADRL_ISA", std::string(nn::IsaName(isa)).c_str(), 1), 0);
+  for (const Isa isa : {Isa::kAvx2, Isa::kScalar}) {
+    if (isa >= DetectIsa()) continue;  // that one is what the other tests run
+    SCOPED_TRACE(IsaName(isa));
+    ASSERT_EQ(setenv("DADRL_ISA", std::string(IsaName(isa)).c_str(), 1), 0);
     ExpectNumPyAgrees();
     EXPECT_NE(Json::parse(Act().out), best) << "another order of additions";
     ASSERT_EQ(unsetenv("DADRL_ISA"), 0);

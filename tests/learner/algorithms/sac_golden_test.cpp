@@ -5,7 +5,7 @@
 // epsilon of 1e-8 the worst tensor is off by 4e-5 after three updates. The comparison of parameters therefore
 // uses algorithm.adam_epsilon 1e-5 (worst: 2.4e-6). The default is held by the first moments after one
 // update, which are a tenth of the gradients, and by the steps that follow from them.
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 #include "tests/driving_columns.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
@@ -191,13 +191,13 @@ INSTANTIATE_TEST_SUITE_P(Threads, SacGolden, testing::Values(1, 2));
 
 // One whole update on the instruction sets that this machine would not choose.
 TEST(SacGoldenIsa, EveryInstructionSetAgrees) {
-  const nn::Isa before = nn::ActiveIsa();
-  for (const nn::Isa isa : {nn::Isa::kScalar, nn::Isa::kAvx2}) {
-    if (!nn::SetIsa(isa)) continue;
-    SCOPED_TRACE(nn::IsaName(isa));
+  const Isa before = ActiveIsa();
+  for (const Isa isa : {Isa::kScalar, Isa::kAvx2}) {
+    if (!SetIsa(isa)) continue;
+    SCOPED_TRACE(IsaName(isa));
     CheckThreeUpdates({"update_separate", EncoderSharing::kSeparate, true, true}, 1, "target");
   }
-  nn::SetIsa(before);
+  SetIsa(before);
 }
 
 }  // namespace

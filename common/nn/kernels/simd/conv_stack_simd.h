@@ -18,32 +18,32 @@ class ConvStack {
  public:
   // Outputs of one group, each [channel][row][column][16 images].
   struct alignas(64) Outputs {
-    float layer1[Conv1::kOutElements * kConvGroup];
-    float layer2[Conv2::kOutElements * kConvGroup];
-    float layer3[Conv3::kOutElements * kConvGroup];
-    float layer4[Conv4::kOutElements * kConvGroup];
-    float layer5[Conv5::kOutElements * kConvGroup];
+    float layer1[Conv1::kOutElements * kLanes];
+    float layer2[Conv2::kOutElements * kLanes];
+    float layer3[Conv3::kOutElements * kLanes];
+    float layer4[Conv4::kOutElements * kLanes];
+    float layer5[Conv5::kOutElements * kLanes];
   };
 
   struct alignas(64) Scratch {
     FirstLayer first;
     // Gradients before each layer's ReLU; of the first layer one row, used at once.
-    float d_row1[Conv1::kOut * Conv1::kOutSize * kConvGroup];
-    float d_layer2[Conv2::kOutElements * kConvGroup];
-    float d_layer3[Conv3::kOutElements * kConvGroup];
-    float d_layer4[Conv4::kOutElements * kConvGroup];
-    float d_layer5[Conv5::kOutElements * kConvGroup];
-    float channels_last[Conv4::kOutElements * kConvGroup];
+    float d_row1[Conv1::kOut * Conv1::kOutSize * kLanes];
+    float d_layer2[Conv2::kOutElements * kLanes];
+    float d_layer3[Conv3::kOutElements * kLanes];
+    float d_layer4[Conv4::kOutElements * kLanes];
+    float d_layer5[Conv5::kOutElements * kLanes];
+    float channels_last[Conv4::kOutElements * kLanes];
     struct Sums {  // over the groups of the batch
-      float weight2[Conv2::kWeights * kConvGroup];
-      float weight3[Conv3::kWeights * kConvGroup];
+      float weight2[Conv2::kWeights * kLanes];
+      float weight3[Conv3::kWeights * kLanes];
       float weight4[Conv4::kWeights];
       float weight5[Conv5::kWeights];
-      float bias1[Conv1::kOut * kConvGroup];
-      float bias2[Conv2::kOut * kConvGroup];
-      float bias3[Conv3::kOut * kConvGroup];
-      float bias4[Conv4::kOut * kConvGroup];
-      float bias5[Conv5::kOut * kConvGroup];
+      float bias1[Conv1::kOut * kLanes];
+      float bias2[Conv2::kOut * kLanes];
+      float bias3[Conv3::kOut * kLanes];
+      float bias4[Conv4::kOut * kLanes];
+      float bias5[Conv5::kOut * kLanes];
     } sums;
   };
 
@@ -52,11 +52,11 @@ class ConvStack {
     auto& work = *reinterpret_cast<Scratch*>(scratch);
     auto* const outputs = reinterpret_cast<Outputs*>(groups);
     work.first.SetParams(params.weight[0], params.bias[0]);
-    for (int group = 0; group < batch / kConvGroup; ++group) {
+    for (int group = 0; group < batch / kLanes; ++group) {
       Outputs& out = outputs[keep ? group : 0];
-      work.first.SetGroup(context + group * kConvGroup * kContextImageBytes);
+      work.first.SetGroup(context + group * kLanes * kContextImageBytes);
       ForwardGroup(params, work.first, out);
-      StoreFeatures(out.layer5, features + group * kConvGroup * kConvFeatures);
+      StoreFeatures(out.layer5, features + group * kLanes * kConvFeatures);
     }
   }
 
@@ -66,9 +66,9 @@ class ConvStack {
     const auto* const outputs = reinterpret_cast<const Outputs*>(groups);
     memset(&work.sums, 0, sizeof(work.sums));
     work.first.ClearGradient();
-    for (int group = 0; group < batch / kConvGroup; ++group) {
-      work.first.SetGroup(context + group * kConvGroup * kContextImageBytes);
-      BackwardGroup(params, outputs[group], d_features + group * kConvGroup * kConvFeatures, work);
+    for (int group = 0; group < batch / kLanes; ++group) {
+      work.first.SetGroup(context + group * kLanes * kContextImageBytes);
+      BackwardGroup(params, outputs[group], d_features + group * kLanes * kConvFeatures, work);
     }
     StoreGradients(work, grads);
   }
@@ -95,15 +95,15 @@ class ConvStack {
   }
 
   static void StoreFeatures(const float* layer5, float* features) {
-    for (int n = 0; n < kConvGroup; ++n) {
-      for (int i = 0; i < kConvFeatures; ++i) features[n * kConvFeatures + i] = layer5[i * kConvGroup + n];
+    for (int n = 0; n < kLanes; ++n) {
+      for (int i = 0; i < kConvFeatures; ++i) features[n * kConvFeatures + i] = layer5[i * kLanes + n];
     }
   }
 
   static void LoadFeatureGradients(const float* d_features, const float* layer5, float* d_layer5) {
     for (int i = 0; i < kConvFeatures; ++i) {
-      for (int n = 0; n < kConvGroup; ++n) d_layer5[i * kConvGroup + n] = d_features[n * kConvFeatures + i];
-      for (int n = i * kConvGroup; n < (i + 1) * kConvGroup; n += Simd::kLanes) {
+      for (int n = 0; n < kLanes; ++n) d_layer5[i * kLanes + n] = d_features[n * kConvFeatures + i];
+      for (int n = i * kLanes; n < (i + 1) * kLanes; n += Simd::kFloats) {
         Simd::Store(d_layer5 + n, Simd::ReluGradient(Simd::Load(layer5 + n), Simd::Load(d_layer5 + n)));
       }
     }
@@ -142,7 +142,7 @@ class ConvStack {
 
   // The output of the first layer, the largest tensor, is read once; its gradient exists one row at a time.
   static void BackwardFirstLayers(const ConvStackParams& params, const Outputs& out, Scratch& work) {
-    constexpr int kRow = Conv1::kOutSize * kConvGroup, kBand = Tiles::kWeight2.band;
+    constexpr int kRow = Conv1::kOutSize * kLanes, kBand = Tiles::kWeight2.band;
     int row1 = 0;
     for (int y = 0; y < Conv2::kOutSize; y += kBand) {
       const int rows = Smaller(kBand, Conv2::kOutSize - y);
@@ -162,7 +162,7 @@ class ConvStack {
 
   template <class Shape, int kChannels, int kStep, int kColumns>
   static void InputGradientImage(const float* d_out, const float* weight, const float* in, float* d_in) {
-    constexpr int kRow = Shape::kInSize * kConvGroup;
+    constexpr int kRow = Shape::kInSize * kLanes;
     for (int y = 0; y < Shape::kInSize; ++y) {
       InputGradient<Simd, Shape, kChannels, kStep, kColumns>(d_out, weight, in, d_in + y * kRow,
                                                              Shape::kInSize * kRow, y);
@@ -180,7 +180,7 @@ class ConvStack {
     constexpr int kCounts[] = {Conv1::kOut, Conv2::kOut, Conv3::kOut, Conv4::kOut, Conv5::kOut};
     for (int l = 0; l < kConvLayers; ++l) {
       for (int co = 0; co < kCounts[l]; ++co) {
-        grads.bias[l][co] = SumOfLanes<Simd>(biases[l] + co * kConvGroup);
+        grads.bias[l][co] = SumOfLanes<Simd>(biases[l] + co * kLanes);
       }
     }
   }

@@ -30,7 +30,7 @@ class FirstLayer {
   // Writes row y of out [4][61][61][16].
   void ForwardRow(int y, float* out) {
     Expand(y);
-    for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+    for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
       int x = 0;
       for (; x + kTileColumns <= kSize; x += kTileColumns) ForwardTile<kTileColumns>(y, x, lane, out);
       if constexpr (kSize % kTileColumns != 0) ForwardTile<kSize % kTileColumns>(y, x, lane, out);
@@ -42,7 +42,7 @@ class FirstLayer {
   // Adds what row y of the output contributes; d_row [4][61][16].
   void AddGradientRow(int y, const float* d_row) {
     Expand(y);
-    for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+    for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
       for (int row = 0; row < kKernelRows; ++row) {
         for (int co = 0; co < Conv1::kOut; co += kGradientChannels) GradientTile(y, row, co, lane, d_row);
       }
@@ -55,7 +55,7 @@ class FirstLayer {
         for (int kx = 0; kx < kKernel; ++kx) {
           const float* const sums = gradient_[row][co][kx];
           d_weight[(co * kKernelRows + row) * kKernel + kx] =
-              Simd::Sum(Simd::Add(Simd::Load(sums), Simd::Load(sums + Simd::kLanes)));
+              Simd::Sum(Simd::Add(Simd::Load(sums), Simd::Load(sums + Simd::kFloats)));
         }
       }
     }
@@ -76,7 +76,7 @@ class FirstLayer {
     for (; expanded_ < 2 * y + kKernel; ++expanded_) {
       for (int plane = 0; plane < kContextPlanes; ++plane) {
         const uint8_t* const row = context_ + (plane * kContextSide + expanded_) * (kContextSide / 8);
-        for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+        for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
           ExpandRow(row + lane * kContextImageBytes, pixels_[plane][expanded_ % kSlots][0] + lane);
         }
       }
@@ -87,13 +87,13 @@ class FirstLayer {
   static void ExpandRow(const uint8_t* row, float* pixels) {
     const __m256 one = _mm256_set1_ps(1.0F);
     for (int word = 0; word < kColumns / 32; ++word) {
-      alignas(32) uint32_t words[Simd::kLanes];
-      for (int n = 0; n < Simd::kLanes; ++n) memcpy(words + n, row + n * kContextImageBytes + 4 * word, 4);
+      alignas(32) uint32_t words[Simd::kFloats];
+      for (int n = 0; n < Simd::kFloats; ++n) memcpy(words + n, row + n * kContextImageBytes + 4 * word, 4);
       __m256i bits = _mm256_load_si256(reinterpret_cast<const __m256i*>(words));
       // Highest bit first: the sign of a lane says whether its pixel is set.
       for (int column = 31; column >= 0; --column, bits = _mm256_slli_epi32(bits, 1)) {
         const __m256 mask = _mm256_castsi256_ps(_mm256_srai_epi32(bits, 31));
-        Simd::Store(pixels + (32 * word + column) * kConvGroup, _mm256_and_ps(mask, one));
+        Simd::Store(pixels + (32 * word + column) * kLanes, _mm256_and_ps(mask, one));
       }
     }
   }
@@ -107,13 +107,13 @@ class FirstLayer {
       for (int j = 0; j < kPixels; ++j) sum[co][j] = Simd::Broadcast(bias_ + co);
     }
     for (int row = 0; row < kKernelRows; ++row) {
-      const float* const pixels = Row(row / kKernel, 2 * y + row % kKernel) + 2 * x * kConvGroup + lane;
+      const float* const pixels = Row(row / kKernel, 2 * y + row % kKernel) + 2 * x * kLanes + lane;
       const float* const taps = weight_ + row * kKernel;
       DADRL_UNROLL
       for (int kx = 0; kx < kKernel; ++kx) {
         __m256 pixel[kPixels];
         DADRL_UNROLL
-        for (int j = 0; j < kPixels; ++j) pixel[j] = Simd::Load(pixels + (2 * j + kx) * kConvGroup);
+        for (int j = 0; j < kPixels; ++j) pixel[j] = Simd::Load(pixels + (2 * j + kx) * kLanes);
         DADRL_UNROLL
         for (int co = 0; co < Conv1::kOut; ++co) {
           const __m256 w = Simd::Broadcast(taps + co * Conv1::kWeightsPerOut + kx);
@@ -122,19 +122,19 @@ class FirstLayer {
         }
       }
     }
-    out += (y * kSize + x) * kConvGroup + lane;
+    out += (y * kSize + x) * kLanes + lane;
     DADRL_UNROLL
     for (int co = 0; co < Conv1::kOut; ++co) {
       DADRL_UNROLL
       for (int j = 0; j < kPixels; ++j) {
-        Simd::Store(out + (co * kSize * kSize + j) * kConvGroup, Simd::Relu(sum[co][j]));
+        Simd::Store(out + (co * kSize * kSize + j) * kLanes, Simd::Relu(sum[co][j]));
       }
     }
   }
 
   void GradientTile(int y, int row, int co, int lane, const float* d_row) {
     const float* const pixels = Row(row / kKernel, 2 * y + row % kKernel) + lane;
-    const float* const gradients = d_row + co * kSize * kConvGroup + lane;
+    const float* const gradients = d_row + co * kSize * kLanes + lane;
     __m256 sum[kGradientChannels][kKernel];
     DADRL_UNROLL
     for (int c = 0; c < kGradientChannels; ++c) {
@@ -145,11 +145,11 @@ class FirstLayer {
       __m256 gradient[kGradientChannels];
       DADRL_UNROLL
       for (int c = 0; c < kGradientChannels; ++c) {
-        gradient[c] = Simd::Load(gradients + (c * kSize + x) * kConvGroup);
+        gradient[c] = Simd::Load(gradients + (c * kSize + x) * kLanes);
       }
       DADRL_UNROLL
       for (int kx = 0; kx < kKernel; ++kx) {
-        const __m256 pixel = Simd::Load(pixels + (2 * x + kx) * kConvGroup);
+        const __m256 pixel = Simd::Load(pixels + (2 * x + kx) * kLanes);
         DADRL_UNROLL
         for (int c = 0; c < kGradientChannels; ++c) sum[c][kx] = Simd::Fma(gradient[c], pixel, sum[c][kx]);
       }
@@ -161,8 +161,8 @@ class FirstLayer {
     }
   }
 
-  alignas(64) float pixels_[kContextPlanes][kSlots][kColumns][kConvGroup];
-  alignas(64) float gradient_[kKernelRows][Conv1::kOut][kKernel][kConvGroup];
+  alignas(64) float pixels_[kContextPlanes][kSlots][kColumns][kLanes];
+  alignas(64) float gradient_[kKernelRows][Conv1::kOut][kKernel][kLanes];
   const float* weight_;
   const float* bias_;
   const uint8_t* context_;

@@ -49,7 +49,7 @@ class FirstLayer {
   // Writes row y of out [4][61][61][16].
   void ForwardRow(int y, float* out) const {
     constexpr int kHalf = kBlockPixels / 2;
-    out += y * kOutSize1 * kConvGroup;
+    out += y * kOutSize1 * kLanes;
     for (int block = 0; block < kBlocks - 1; ++block) {
       ForwardTile<0, kHalf>(y, block, out);
       ForwardTile<kHalf, kHalf>(y, block, out);
@@ -71,7 +71,7 @@ class FirstLayer {
       for (int co = 0; co < Conv1::kOut; ++co) {
         for (int kx = 0; kx < Conv1::kKernel; ++kx) {
           d_weight[(co * kKernelRows + row) * Conv1::kKernel + kx] =
-              Simd::Sum(Simd::Load(GradientOf(row) + (co * Conv1::kKernel + kx) * kConvGroup));
+              Simd::Sum(Simd::Load(GradientOf(row) + (co * Conv1::kKernel + kx) * kLanes));
         }
       }
     }
@@ -80,7 +80,7 @@ class FirstLayer {
  private:
   static constexpr int kKernelRows = simd::kKernelRows1;
   static constexpr int kBlockColumns = 2 * kBlockPixels + Conv1::kKernel - 2;
-  static constexpr int kGradientTile = Conv1::kOut * Conv1::kKernel * kConvGroup;
+  static constexpr int kGradientTile = Conv1::kOut * Conv1::kKernel * kLanes;
 
   // 128 columns of 16 images, context being row y of the first, to 8 overlapping words a lane.
   void SetRow(const uint8_t* context, int plane, int y) {
@@ -145,12 +145,12 @@ class FirstLayer {
         }
       }
     }
-    out += (block * kBlockPixels + kFirst) * kConvGroup;
+    out += (block * kBlockPixels + kFirst) * kLanes;
     DADRL_UNROLL
     for (int co = 0; co < Conv1::kOut; ++co) {
       DADRL_UNROLL
       for (int x = 0; x < kPixels; ++x) {
-        _mm512_store_ps(out + (co * kOutSize1 * kOutSize1 + x) * kConvGroup, Simd::Relu(sum[co][x]));
+        _mm512_store_ps(out + (co * kOutSize1 * kOutSize1 + x) * kLanes, Simd::Relu(sum[co][x]));
       }
     }
   }
@@ -167,13 +167,13 @@ class FirstLayer {
     for (int co = 0; co < Conv1::kOut; ++co) {
       DADRL_UNROLL
       for (int kx = 0; kx < Conv1::kKernel; ++kx) {
-        sum[co][kx] = _mm512_load_ps(sums + (co * Conv1::kKernel + kx) * kConvGroup);
+        sum[co][kx] = _mm512_load_ps(sums + (co * Conv1::kKernel + kx) * kLanes);
       }
     }
     for (int block = 0; block < kBlocks; ++block) {
       if (!Occupied(plane, in_y, block)) continue;
       const __m512i word = _mm512_load_si512(words_[plane][in_y][block]);
-      const float* const gradients = d_row + block * kBlockPixels * kConvGroup;
+      const float* const gradients = d_row + block * kBlockPixels * kLanes;
       if (block + 1 < kBlocks) {
         GradientBlock<kBlockPixels>(word, gradients, sum);
       } else {
@@ -184,7 +184,7 @@ class FirstLayer {
     for (int co = 0; co < Conv1::kOut; ++co) {
       DADRL_UNROLL
       for (int kx = 0; kx < Conv1::kKernel; ++kx) {
-        _mm512_store_ps(sums + (co * Conv1::kKernel + kx) * kConvGroup, sum[co][kx]);
+        _mm512_store_ps(sums + (co * Conv1::kKernel + kx) * kLanes, sum[co][kx]);
       }
     }
   }
@@ -210,7 +210,7 @@ class FirstLayer {
       __m512 gradient[Conv1::kOut];
       DADRL_UNROLL
       for (int co = 0; co < Conv1::kOut; ++co) {
-        gradient[co] = _mm512_load_ps(gradients + (co * kOutSize1 + x) * kConvGroup);
+        gradient[co] = _mm512_load_ps(gradients + (co * kOutSize1 + x) * kLanes);
       }
       DADRL_UNROLL
       for (int kx = 0; kx < Conv1::kKernel; ++kx) {
@@ -227,7 +227,7 @@ class FirstLayer {
     }
   }
 
-  alignas(64) uint32_t words_[kContextPlanes][Conv1::kInSize][kBlocks][kConvGroup];
+  alignas(64) uint32_t words_[kContextPlanes][Conv1::kInSize][kBlocks][kLanes];
   alignas(64) float sums_of_[kKernelRows][Conv1::kOut][simd::kPatterns];
   alignas(64) float gradient_[kKernelRows * kGradientTile];
   float bias_[Conv1::kOut];

@@ -12,8 +12,8 @@ template <class Simd, class Shape, int kChannels, int kRows, int kColumns>
 void ForwardTile(const float* in, const float* weight, const float* bias, float* out, int co, int y, int x) {
   using Float = typename Simd::Float;
   constexpr int kKernel = Shape::kKernel;
-  constexpr int kInRow = Shape::kInSize * kConvGroup, kInPlane = Shape::kInSize * kInRow;
-  constexpr int kOutRow = Shape::kOutSize * kConvGroup, kOutPlane = Shape::kOutSize * kOutRow;
+  constexpr int kInRow = Shape::kInSize * kLanes, kInPlane = Shape::kInSize * kInRow;
+  constexpr int kOutRow = Shape::kOutSize * kLanes, kOutPlane = Shape::kOutSize * kOutRow;
   Float sum[kChannels][kRows][kColumns];
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
@@ -24,7 +24,7 @@ void ForwardTile(const float* in, const float* weight, const float* bias, float*
       for (int j = 0; j < kColumns; ++j) sum[c][i][j] = b;
     }
   }
-  in += 2 * y * kInRow + 2 * x * kConvGroup;
+  in += 2 * y * kInRow + 2 * x * kLanes;
   weight += co * Shape::kWeightsPerOut;
   for (int ci = 0; ci < Shape::kIn; ++ci) {
     for (int ky = 0; ky < kKernel; ++ky) {
@@ -39,7 +39,7 @@ void ForwardTile(const float* in, const float* weight, const float* bias, float*
         for (int i = 0; i < kRows; ++i) {
           DADRL_UNROLL
           for (int j = 0; j < kColumns; ++j) {
-            const Float pixel = Simd::Load(pixels + 2 * i * kInRow + (2 * j + kx) * kConvGroup);
+            const Float pixel = Simd::Load(pixels + 2 * i * kInRow + (2 * j + kx) * kLanes);
             DADRL_UNROLL
             for (int c = 0; c < kChannels; ++c) sum[c][i][j] = Simd::Fma(w[c], pixel, sum[c][i][j]);
           }
@@ -47,14 +47,14 @@ void ForwardTile(const float* in, const float* weight, const float* bias, float*
       }
     }
   }
-  out += co * kOutPlane + y * kOutRow + x * kConvGroup;
+  out += co * kOutPlane + y * kOutRow + x * kLanes;
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
     DADRL_UNROLL
     for (int i = 0; i < kRows; ++i) {
       DADRL_UNROLL
       for (int j = 0; j < kColumns; ++j) {
-        Simd::Store(out + c * kOutPlane + i * kOutRow + j * kConvGroup, Simd::Relu(sum[c][i][j]));
+        Simd::Store(out + c * kOutPlane + i * kOutRow + j * kLanes, Simd::Relu(sum[c][i][j]));
       }
     }
   }
@@ -66,7 +66,7 @@ template <class Simd, class Shape, int kChannels, int kRows, int kColumns>
 void ForwardRows(const float* in, const float* weight, const float* bias, float* out, int y) {
   constexpr int kLast = Shape::kOutSize % kColumns;
   static_assert(Shape::kOut % kChannels == 0);
-  for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+  for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
     for (int co = 0; co < Shape::kOut; co += kChannels) {
       for (int x = 0; x + kColumns <= Shape::kOutSize; x += kColumns) {
         ForwardTile<Simd, Shape, kChannels, kRows, kColumns>(in + lane, weight, bias, out + lane, co, y, x);

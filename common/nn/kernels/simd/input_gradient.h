@@ -16,7 +16,7 @@ void InputGradientTile(const float* d_out, const float* weight, const float* in_
                        float* d_in_row, int d_in_plane, int ci, int y) {
   using Float = typename Simd::Float;
   constexpr int kKernel = Shape::kKernel, kOutSize = Shape::kOutSize;
-  constexpr int kOutRow = kOutSize * kConvGroup, kOutPlane = kOutSize * kOutRow;
+  constexpr int kOutRow = kOutSize * kLanes, kOutPlane = kOutSize * kOutRow;
   Float sum[kChannels][kCount];
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
@@ -40,7 +40,7 @@ void InputGradientTile(const float* d_out, const float* weight, const float* in_
       constexpr int kOutLast = kLast / 2 < kOutSize ? kLast / 2 : kOutSize - 1;
       DADRL_UNROLL
       for (int x = kOutFirst; x <= kOutLast; ++x) {
-        const Float gradient = Simd::Load(gradients + x * kConvGroup);
+        const Float gradient = Simd::Load(gradients + x * kLanes);
         DADRL_UNROLL
         for (int kx = 0; kx < kKernel; ++kx) {
           const int offset = 2 * x + kx - kFirst;
@@ -57,7 +57,7 @@ void InputGradientTile(const float* d_out, const float* weight, const float* in_
   for (int c = 0; c < kChannels; ++c) {
     DADRL_UNROLL
     for (int j = 0; j < kCount; ++j) {
-      const int column = (kFirst + kStep * j) * kConvGroup;
+      const int column = (kFirst + kStep * j) * kLanes;
       const Float output = Simd::Load(in_row + (ci + c) * in_plane + column);
       Simd::Store(d_in_row + (ci + c) * d_in_plane + column, Simd::ReluGradient(output, sum[c][j]));
     }
@@ -82,9 +82,9 @@ void InputGradientRow(const float* d_out, const float* weight, const float* in_r
 template <class Simd, class Shape, int kChannels, int kStep, int kCount>
 void InputGradient(const float* d_out, const float* weight, const float* in, float* d_in_row, int d_in_plane,
                    int y) {
-  constexpr int kInRow = Shape::kInSize * kConvGroup, kInPlane = Shape::kInSize * kInRow;
+  constexpr int kInRow = Shape::kInSize * kLanes, kInPlane = Shape::kInSize * kInRow;
   static_assert(Shape::kIn % kChannels == 0);
-  for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+  for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
     for (int ci = 0; ci < Shape::kIn; ci += kChannels) {
       InputGradientRow<Simd, Shape, kChannels, 0, kStep, kCount>(
           d_out + lane, weight, in + y * kInRow + lane, kInPlane, d_in_row + lane, d_in_plane, ci, y);

@@ -16,7 +16,7 @@ class SingleFirstLayer {
  public:
   void SetParams(const float* weight, const float* bias) {
     const float mark = simd::NonFiniteMark<Simd>(weight);
-    for (int lane = 0; lane < Simd::kLanes; ++lane) {
+    for (int lane = 0; lane < Simd::kFloats; ++lane) {
       const int co = lane % Conv1::kOut, column = lane / Conv1::kOut;
       bias_[lane] = bias[co] + mark;
       for (int row = 0; row < simd::kKernelRows1; ++row) {
@@ -81,8 +81,8 @@ class SingleFirstLayer {
     }
   }
 
-  alignas(64) float sums_of_[simd::kKernelRows1][kPairPatterns][Simd::kLanes];
-  alignas(64) float bias_[Simd::kLanes];
+  alignas(64) float sums_of_[simd::kKernelRows1][kPairPatterns][Simd::kFloats];
+  alignas(64) float bias_[Simd::kFloats];
 };
 
 }  // namespace dadrl::nn::avx2

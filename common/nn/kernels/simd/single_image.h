@@ -84,8 +84,8 @@ class SingleImage {
 
   static void SecondLayerRow(const Packed& p, Scratch& work, int y) {
     constexpr int kChannels = Tiles::kSingle2Channels, kVectors = Tiles::kSingle2Vectors;
-    static_assert(kLayer2Columns % (kVectors * Simd::kLanes) == 0 && Conv2::kOut % kChannels == 0);
-    for (int x = 0; x < kLayer2Columns; x += kVectors * Simd::kLanes) {
+    static_assert(kLayer2Columns % (kVectors * Simd::kFloats) == 0 && Conv2::kOut % kChannels == 0);
+    for (int x = 0; x < kLayer2Columns; x += kVectors * Simd::kFloats) {
       for (int co = 0; co < Conv2::kOut; co += kChannels) {
         SecondLayerTile<kChannels, kVectors>(p, work, y, x, co);
       }
@@ -109,7 +109,7 @@ class SingleImage {
           Float pixel[kVectors];
           DADRL_UNROLL
           for (int v = 0; v < kVectors; ++v) {
-            pixel[v] = Simd::LoadUnaligned(pixels + kx % 2 * kHalfColumns + kx / 2 + v * Simd::kLanes);
+            pixel[v] = Simd::LoadUnaligned(pixels + kx % 2 * kHalfColumns + kx / 2 + v * Simd::kFloats);
           }
           DADRL_UNROLL
           for (int c = 0; c < kChannels; ++c) {
@@ -124,7 +124,7 @@ class SingleImage {
     for (int c = 0; c < kChannels; ++c) {
       DADRL_UNROLL
       for (int v = 0; v < kVectors; ++v) {
-        Simd::Store(work.layer2 + ((co + c) * Conv2::kOutSize + y) * kLayer2Columns + x + v * Simd::kLanes,
+        Simd::Store(work.layer2 + ((co + c) * Conv2::kOutSize + y) * kLayer2Columns + x + v * Simd::kFloats,
                     Simd::Relu(sum[c][v]));
       }
     }
@@ -155,7 +155,7 @@ class SingleImage {
 
   template <class Shape, int kRows, int kColumns, int kVectors, int kPlane, int kRow, int kColumn>
   static void Tile(const float* in, const float* weight, const float* bias, float* out, int y, int x) {
-    constexpr int kTileLanes = kVectors * Simd::kLanes;
+    constexpr int kTileLanes = kVectors * Simd::kFloats;
     static_assert(Shape::kOut % kTileLanes == 0);
     in += 2 * y * kRow + 2 * x * kColumn;
     out += (y * Shape::kOutSize + x) * Shape::kOut;
@@ -166,7 +166,7 @@ class SingleImage {
         DADRL_UNROLL
         for (int j = 0; j < kColumns; ++j) {
           DADRL_UNROLL
-          for (int v = 0; v < kVectors; ++v) sum[i][j][v] = Simd::Load(bias + co + v * Simd::kLanes);
+          for (int v = 0; v < kVectors; ++v) sum[i][j][v] = Simd::Load(bias + co + v * Simd::kFloats);
         }
       }
       const float* taps = weight + co;
@@ -177,7 +177,7 @@ class SingleImage {
           for (int kx = 0; kx < Shape::kKernel; ++kx, taps += Shape::kOut) {
             Float w[kVectors];
             DADRL_UNROLL
-            for (int v = 0; v < kVectors; ++v) w[v] = Simd::Load(taps + v * Simd::kLanes);
+            for (int v = 0; v < kVectors; ++v) w[v] = Simd::Load(taps + v * Simd::kFloats);
             DADRL_UNROLL
             for (int i = 0; i < kRows; ++i) {
               DADRL_UNROLL
@@ -196,7 +196,7 @@ class SingleImage {
         for (int j = 0; j < kColumns; ++j) {
           DADRL_UNROLL
           for (int v = 0; v < kVectors; ++v) {
-            float* const to = out + (i * Shape::kOutSize + j) * Shape::kOut + co + v * Simd::kLanes;
+            float* const to = out + (i * Shape::kOutSize + j) * Shape::kOut + co + v * Simd::kFloats;
             Simd::Store(to, Simd::Relu(sum[i][j][v]));
           }
         }

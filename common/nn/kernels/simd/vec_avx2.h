@@ -11,7 +11,7 @@ namespace dadrl::nn::avx2 {
 // See vec_avx512.h.
 struct Simd {
   using Float = __m256;
-  static constexpr int kLanes = 8;
+  static constexpr int kFloats = 8;
 
   static DADRL_INLINE Float Zero() { return _mm256_setzero_ps(); }
   static DADRL_INLINE Float Load(const float* p) { return _mm256_load_ps(p); }

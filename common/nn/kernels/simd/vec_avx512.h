@@ -12,7 +12,7 @@ namespace dadrl::nn::avx512 {
 // two instruction sets share one.
 struct Simd {
   using Float = __m512;
-  static constexpr int kLanes = 16;
+  static constexpr int kFloats = 16;
 
   static DADRL_INLINE Float Zero() { return _mm512_setzero_ps(); }
   static DADRL_INLINE Float Load(const float* p) { return _mm512_load_ps(p); }

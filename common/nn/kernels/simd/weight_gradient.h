@@ -17,13 +17,13 @@ void ImageLaneTile(const float* in, const float* d_out, float* sums, int co, int
                    int rows) {
   using Float = typename Simd::Float;
   constexpr int kKernel = Shape::kKernel;
-  constexpr int kInRow = Shape::kInSize * kConvGroup, kInPlane = Shape::kInSize * kInRow;
-  constexpr int kOutRow = Shape::kOutSize * kConvGroup, kOutPlane = Shape::kOutSize * kOutRow;
+  constexpr int kInRow = Shape::kInSize * kLanes, kInPlane = Shape::kInSize * kInRow;
+  constexpr int kOutRow = Shape::kOutSize * kLanes, kOutPlane = Shape::kOutSize * kOutRow;
   Float sum[kChannels][kKernel];
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
     DADRL_UNROLL
-    for (int kx = 0; kx < kKernel; ++kx) sum[c][kx] = Simd::Load(sums + (c * kKernel + kx) * kConvGroup);
+    for (int kx = 0; kx < kKernel; ++kx) sum[c][kx] = Simd::Load(sums + (c * kKernel + kx) * kLanes);
   }
   const float* pixels = in + ci * kInPlane + (2 * y + ky) * kInRow;
   const float* gradients = d_out + co * kOutPlane + y * kOutRow;
@@ -31,11 +31,10 @@ void ImageLaneTile(const float* in, const float* d_out, float* sums, int co, int
     for (int x = 0; x < Shape::kOutSize; ++x) {
       Float gradient[kChannels];
       DADRL_UNROLL
-      for (int c = 0; c < kChannels; ++c)
-        gradient[c] = Simd::Load(gradients + c * kOutPlane + x * kConvGroup);
+      for (int c = 0; c < kChannels; ++c) gradient[c] = Simd::Load(gradients + c * kOutPlane + x * kLanes);
       DADRL_UNROLL
       for (int kx = 0; kx < kKernel; ++kx) {
-        const Float pixel = Simd::Load(pixels + (2 * x + kx) * kConvGroup);
+        const Float pixel = Simd::Load(pixels + (2 * x + kx) * kLanes);
         DADRL_UNROLL
         for (int c = 0; c < kChannels; ++c) sum[c][kx] = Simd::Fma(gradient[c], pixel, sum[c][kx]);
       }
@@ -44,7 +43,7 @@ void ImageLaneTile(const float* in, const float* d_out, float* sums, int co, int
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
     DADRL_UNROLL
-    for (int kx = 0; kx < kKernel; ++kx) Simd::Store(sums + (c * kKernel + kx) * kConvGroup, sum[c][kx]);
+    for (int kx = 0; kx < kKernel; ++kx) Simd::Store(sums + (c * kKernel + kx) * kLanes, sum[c][kx]);
   }
 }
 
@@ -52,9 +51,9 @@ void ImageLaneTile(const float* in, const float* d_out, float* sums, int co, int
 // [kOut / kChannels][kIn][ky][kChannels][kx][16 images]. Few rows at a time stay in the first-level cache.
 template <class Simd, class Shape, int kChannels>
 void WeightGradientImageLanes(const float* in, const float* d_out, float* sums, int y, int rows) {
-  constexpr int kKernel = Shape::kKernel, kTile = kChannels * kKernel * kConvGroup;
+  constexpr int kKernel = Shape::kKernel, kTile = kChannels * kKernel * kLanes;
   static_assert(Shape::kOut % kChannels == 0);
-  for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+  for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
     for (int ci = 0; ci < Shape::kIn; ++ci) {
       for (int co = 0; co < Shape::kOut; co += kChannels) {
         for (int ky = 0; ky < kKernel; ++ky) {
@@ -70,7 +69,7 @@ void WeightGradientImageLanes(const float* in, const float* d_out, float* sums, 
 template <class Simd>
 float SumOfLanes(const float* values) {
   typename Simd::Float sum = Simd::Load(values);
-  for (int lane = Simd::kLanes; lane < kConvGroup; lane += Simd::kLanes) {
+  for (int lane = Simd::kFloats; lane < kLanes; lane += Simd::kFloats) {
     sum = Simd::Add(sum, Simd::Load(values + lane));
   }
   return Simd::Sum(sum);
@@ -85,7 +84,7 @@ void ReduceImageLanes(const float* sums, float* d_weight) {
       const int tile = (co / kChannels * Shape::kIn * kKernel + tap) * kChannels + co % kChannels;
       for (int kx = 0; kx < kKernel; ++kx) {
         d_weight[co * Shape::kWeightsPerOut + tap * kKernel + kx] =
-            SumOfLanes<Simd>(sums + (tile * kKernel + kx) * kConvGroup);
+            SumOfLanes<Simd>(sums + (tile * kKernel + kx) * kLanes);
       }
     }
   }
@@ -96,10 +95,10 @@ template <class Simd, class Shape>
 void ChannelsLast(const float* d_out, float* transposed) {
   constexpr int kPixels = Shape::kOutSize * Shape::kOutSize;
   for (int pixel = 0; pixel < kPixels; ++pixel) {
-    for (int n = 0; n < kConvGroup; ++n) {
-      float* const to = transposed + (pixel * kConvGroup + n) * Shape::kOut;
-      const float* const from = d_out + pixel * kConvGroup + n;
-      for (int co = 0; co < Shape::kOut; ++co) to[co] = from[co * kPixels * kConvGroup];
+    for (int n = 0; n < kLanes; ++n) {
+      float* const to = transposed + (pixel * kLanes + n) * Shape::kOut;
+      const float* const from = d_out + pixel * kLanes + n;
+      for (int co = 0; co < Shape::kOut; ++co) to[co] = from[co * kPixels * kLanes];
     }
   }
 }
@@ -110,11 +109,11 @@ template <class Simd, class Shape, int kChannels, int kVectors>
 void ChannelLaneTile(const float* in, const float* gradients, float* sums, int co, int ci, int ky) {
   using Float = typename Simd::Float;
   constexpr int kKernel = Shape::kKernel;
-  constexpr int kInRow = Shape::kInSize * kConvGroup, kInPlane = Shape::kInSize * kInRow;
+  constexpr int kInRow = Shape::kInSize * kLanes, kInPlane = Shape::kInSize * kInRow;
   Float sum[kChannels][kKernel][kVectors];
   sums += (ci * kKernel + ky) * kKernel * Shape::kOut + co;
   const auto at = [=](int c, int kx, int v) {
-    return sums + (c * Shape::kTaps + kx) * Shape::kOut + v * Simd::kLanes;
+    return sums + (c * Shape::kTaps + kx) * Shape::kOut + v * Simd::kFloats;
   };
   DADRL_UNROLL
   for (int c = 0; c < kChannels; ++c) {
@@ -127,16 +126,16 @@ void ChannelLaneTile(const float* in, const float* gradients, float* sums, int c
   gradients += co;
   for (int y = 0; y < Shape::kOutSize; ++y) {
     for (int x = 0; x < Shape::kOutSize; ++x) {
-      const float* const pixels = in + ci * kInPlane + (2 * y + ky) * kInRow + 2 * x * kConvGroup;
-      for (int n = 0; n < kConvGroup; ++n, gradients += Shape::kOut) {
+      const float* const pixels = in + ci * kInPlane + (2 * y + ky) * kInRow + 2 * x * kLanes;
+      for (int n = 0; n < kLanes; ++n, gradients += Shape::kOut) {
         Float gradient[kVectors];
         DADRL_UNROLL
-        for (int v = 0; v < kVectors; ++v) gradient[v] = Simd::Load(gradients + v * Simd::kLanes);
+        for (int v = 0; v < kVectors; ++v) gradient[v] = Simd::Load(gradients + v * Simd::kFloats);
         DADRL_UNROLL
         for (int c = 0; c < kChannels; ++c) {
           DADRL_UNROLL
           for (int kx = 0; kx < kKernel; ++kx) {
-            const Float pixel = Simd::Broadcast(pixels + c * kInPlane + kx * kConvGroup + n);
+            const Float pixel = Simd::Broadcast(pixels + c * kInPlane + kx * kLanes + n);
             DADRL_UNROLL
             for (int v = 0; v < kVectors; ++v) sum[c][kx][v] = Simd::Fma(gradient[v], pixel, sum[c][kx][v]);
           }
@@ -157,9 +156,9 @@ void ChannelLaneTile(const float* in, const float* gradients, float* sums, int c
 // transposed: of ChannelsLast.
 template <class Simd, class Shape, int kChannels, int kVectors>
 void WeightGradientChannelLanes(const float* in, const float* transposed, float* sums) {
-  constexpr int kLanes = kVectors * Simd::kLanes;
-  static_assert(Shape::kIn % kChannels == 0 && Shape::kOut % kLanes == 0);
-  for (int co = 0; co < Shape::kOut; co += kLanes) {
+  constexpr int kOutputs = kVectors * Simd::kFloats;
+  static_assert(Shape::kIn % kChannels == 0 && Shape::kOut % kOutputs == 0);
+  for (int co = 0; co < Shape::kOut; co += kOutputs) {
     for (int ci = 0; ci < Shape::kIn; ci += kChannels) {
       for (int ky = 0; ky < Shape::kKernel; ++ky) {
         ChannelLaneTile<Simd, Shape, kChannels, kVectors>(in, transposed, sums, co, ci, ky);
@@ -182,18 +181,18 @@ void ReduceChannelLanes(const float* sums, float* d_weight) {
 template <class Simd, int kOut, int kPixels>
 void AddBiasGradient(const float* d_out, float* sums) {
   constexpr int kChains = 4;  // independent, to hide the latency of an addition
-  for (int co = 0; co < kOut; ++co, sums += kConvGroup, d_out += kPixels * kConvGroup) {
-    for (int lane = 0; lane < kConvGroup; lane += Simd::kLanes) {
+  for (int co = 0; co < kOut; ++co, sums += kLanes, d_out += kPixels * kLanes) {
+    for (int lane = 0; lane < kLanes; lane += Simd::kFloats) {
       typename Simd::Float sum[kChains] = {Simd::Load(sums + lane), Simd::Zero(), Simd::Zero(), Simd::Zero()};
       const float* const gradients = d_out + lane;
       int pixel = 0;
       for (; pixel + kChains <= kPixels; pixel += kChains) {
         DADRL_UNROLL
         for (int i = 0; i < kChains; ++i) {
-          sum[i] = Simd::Add(sum[i], Simd::Load(gradients + (pixel + i) * kConvGroup));
+          sum[i] = Simd::Add(sum[i], Simd::Load(gradients + (pixel + i) * kLanes));
         }
       }
-      for (; pixel < kPixels; ++pixel) sum[0] = Simd::Add(sum[0], Simd::Load(gradients + pixel * kConvGroup));
+      for (; pixel < kPixels; ++pixel) sum[0] = Simd::Add(sum[0], Simd::Load(gradients + pixel * kLanes));
       Simd::Store(sums + lane, Simd::Add(Simd::Add(sum[0], sum[1]), Simd::Add(sum[2], sum[3])));
     }
   }

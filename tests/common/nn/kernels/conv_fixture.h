@@ -12,6 +12,7 @@
 
 #include "common/nn/kernels/conv_reference.h"
 #include "common/nn/kernels/conv_stack.h"
+#include "tests/common/util/isa_scope.h"
 
 namespace dadrl::nn {
 
@@ -187,18 +188,6 @@ struct StepResult {
     ConvStackForward(context.data(), batch, params.params(), arena.get(), features.data(), true);
     ConvStackBackward(context.data(), batch, params.params(), arena.get(), d_features.data(), grads.grads());
   }
-};
-
-// Restores the instruction set in use.
-class IsaScope {
- public:
-  explicit IsaScope(Isa isa) : before_(ActiveIsa()) { SetIsa(isa); }
-  ~IsaScope() { SetIsa(before_); }
-  IsaScope(const IsaScope&) = delete;
-  IsaScope& operator=(const IsaScope&) = delete;
-
- private:
-  Isa before_;
 };
 
 }  // namespace dadrl::nn::testing

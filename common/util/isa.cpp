@@ -1,4 +1,4 @@
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 
 #include <spdlog/spdlog.h>
 
@@ -10,7 +10,7 @@
 #include "common/util/environment.h"
 #include "common/util/shown.h"
 
-namespace dadrl::nn {
+namespace dadrl {
 namespace {
 
 constexpr std::array kNames = {std::string_view("scalar"), std::string_view("avx2"),
@@ -22,7 +22,7 @@ Isa InitialIsa() {
   if (!wanted) return best;
   const auto isa = IsaFromName(*wanted);
   if (isa && *isa <= best) return *isa;
-  spdlog::warn("DADRL_ISA={} is not an instruction set of this processor (scalar to {}); using {}",
+  spdlog::warn("{}={} is not an instruction set of this processor (scalar to {}); using {}", kIsaVariable,
                Shown(*wanted), IsaName(best), IsaName(best));
   return best;
 }
@@ -35,7 +35,7 @@ std::atomic<Isa>& Choice() {
 }  // namespace
 
 Isa DetectIsa() {
-#if defined(DADRL_HAVE_X86_KERNELS)
+#if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
@@ -63,4 +63,4 @@ std::optional<Isa> IsaFromName(std::string_view name) {
   return std::nullopt;
 }
 
-}  // namespace dadrl::nn
+}  // namespace dadrl

@@ -1,12 +1,12 @@
-#include "common/nn/kernels/isa.h"
+#include "common/util/isa.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
-#include "tests/common/nn/kernels/conv_fixture.h"
+#include "tests/common/util/isa_scope.h"
 
-namespace dadrl::nn::testing {
+namespace dadrl {
 namespace {
 
 TEST(IsaTest, NamesRoundTrip) {
@@ -40,4 +40,4 @@ TEST(IsaTest, SwitchesToWhatTheProcessorHasAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace dadrl::nn::testing
+}  // namespace dadrl

@@ -1,10 +1,10 @@
-// Which instruction set the numeric kernels run on. One binary holds them all and picks at run time.
+// Which instruction set the kernels run on: one binary holds them all and picks at run time.
 #pragma once
 
 #include <optional>
 #include <string_view>
 
-namespace dadrl::nn {
+namespace dadrl {
 
 // Ordered: a processor that runs one also runs those before it.
 enum class Isa { kScalar, kAvx2, kAvx512 };
@@ -23,4 +23,13 @@ bool SetIsa(Isa isa);
 std::string_view IsaName(Isa isa);  // "scalar", "avx2", "avx512"
 std::optional<Isa> IsaFromName(std::string_view name);
 
-}  // namespace dadrl::nn
+// What a kernel has for `isa` (functions or tables, of one type): every kernel chooses by it. Other
+// processors than x86-64 have the portable one alone; the other arguments need not exist there.
+#if defined(__x86_64__)
+#define DADRL_FOR_ISA(isa, portable, avx2, avx512) \
+  ((isa) == ::dadrl::Isa::kAvx512 ? (avx512) : (isa) == ::dadrl::Isa::kAvx2 ? (avx2) : (portable))
+#else
+#define DADRL_FOR_ISA(isa, portable, avx2, avx512) (static_cast<void>(isa), (portable))
+#endif
+
+}  // namespace dadrl
