@@ -40,7 +40,7 @@ add_compile_options(-pthread)
 add_library(dadrl_warnings INTERFACE)
 target_compile_options(dadrl_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
-  $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>
+  "$<$<CXX_COMPILER_ID:Clang>:-Wsign-conversion;-Wthread-safety>"
   # g++ means designated initializers too, which clang knows leave members out on purpose.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-missing-field-initializers>)
 

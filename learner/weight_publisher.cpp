@@ -73,7 +73,7 @@ void WeightPublisher::Send(const Pending& policy) {
   dadrl_idl_Weights sample{};
   sample.version = policy.version;
   sample.updates = policy.updates;
-  sample.published_ns = static_cast<uint64_t>(WallTimeNs());
+  sample.published_ns = WallTimeNs();
   sample.layout_hash = policy.layout_hash;
   sample.checksum = Xxh3(bytes);
   const auto count = static_cast<uint32_t>(bytes.size());

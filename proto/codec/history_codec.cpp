@@ -100,7 +100,7 @@ void EncodeColumn(const float* oldest, int history, int stride, BitWriter& out) 
     out.Put(0, 1);
     return;
   }
-  const int width = std::bit_width(all);
+  const auto width = static_cast<int>(std::bit_width(all));
   out.Put(1u | static_cast<uint32_t>(width - 1) << 1, 1 + Float::kWidthBits);
   for (int i = 0; i < history - 1; ++i) out.Put(codes[static_cast<size_t>(i)], width);
 }

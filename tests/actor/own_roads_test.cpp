@@ -103,7 +103,7 @@ TEST(OwnRoad, TheStepIsNotForScenarios) {
 
 TEST(OwnRoad, WhoDrivesOverABridgeIsNotInTheScene) {
   const auto environment = MakeEnvironment("overpass");
-  for (const uint64_t seed : {1, 2, 3}) {
+  for (const uint64_t seed : {1u, 2u, 3u}) {
     ASSERT_TRUE(environment->Reset(seed));
     EXPECT_EQ(environment->world().ego.elevation_m, 0.0);
     for (bool runs = true; runs;) {

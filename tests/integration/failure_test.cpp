@@ -114,7 +114,7 @@ std::vector<double> TrainingColumn(const std::filesystem::path& run, const std::
   std::string row;
   std::getline(table, row);
   const auto columns = CsvCells(row);
-  const auto column = std::find(columns.begin(), columns.end(), name) - columns.begin();
+  const auto column = static_cast<size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin());
   std::vector<double> values;
   while (std::getline(table, row)) {
     const auto cells = CsvCells(row);

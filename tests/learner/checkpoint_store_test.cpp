@@ -56,7 +56,7 @@ class CheckpointStoreTest : public testing::Test {
 
 TEST_F(CheckpointStoreTest, KeepsTheNewestWithTheirPoliciesAndALinkToTheLast) {
   CheckpointStore store = Open();
-  for (const uint64_t updates : {10, 20, 30}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
+  for (const uint64_t updates : {10u, 20u, 30u}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
   EXPECT_THAT(Names(), ElementsAre("checkpoint-000000020.ckpt", "checkpoint-000000030.ckpt", "latest",
                                    "policy-000000020.dadrl", "policy-000000030.dadrl"));
   const auto policy = LoadPolicy(folder_.path() / "latest");
@@ -86,7 +86,7 @@ TEST_F(CheckpointStoreTest, AFullDiskKeepsTheLastCheckpointAndIsNotFilledUpWithA
 
 TEST_F(CheckpointStoreTest, KeepsMorePoliciesThanCheckpoints) {
   CheckpointStore store = Open({.checkpoints = 1, .policies = 3});
-  for (const uint64_t updates : {10, 20, 30, 40}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
+  for (const uint64_t updates : {10u, 20u, 30u, 40u}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
   EXPECT_THAT(Names(), ElementsAre("checkpoint-000000040.ckpt", "latest", "policy-000000020.dadrl",
                                    "policy-000000030.dadrl", "policy-000000040.dadrl"));
 }
@@ -110,7 +110,7 @@ TEST_F(CheckpointStoreTest, NothingToLoadInANewFolder) {
 
 TEST_F(CheckpointStoreTest, DamagedNewestIsSetAsideAndTheOneBeforeIsTaken) {
   CheckpointStore store = Open({.checkpoints = 3, .policies = 3});
-  for (const uint64_t updates : {10, 20, 30}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
+  for (const uint64_t updates : {10u, 20u, 30u}) ASSERT_TRUE(store.Save(CheckpointAt(updates)));
   Damage(folder_.path() / "checkpoint-000000030.ckpt");
   auto loaded = store.LoadNewest();
   ASSERT_TRUE(loaded) << loaded.error().message;

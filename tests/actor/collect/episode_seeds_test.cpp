@@ -22,9 +22,9 @@ TEST(TrainingSeed, IsTheSameForTheSameEpisode) {
 TEST(TrainingSeed, DiffersBetweenRunsActorsIncarnationsAndEpisodes) {
   std::set<uint64_t> seeds;
   int drawn = 0;
-  for (uint64_t run : {1, 2}) {
-    for (uint32_t actor : {0, 1, 2}) {
-      for (uint64_t incarnation : {100, 101}) {
+  for (uint64_t run : {1u, 2u}) {
+    for (uint32_t actor : {0u, 1u, 2u}) {
+      for (uint64_t incarnation : {100u, 101u}) {
         for (uint64_t episode = 1; episode <= 20; ++episode, ++drawn) {
           seeds.insert(TrainingSeed(run, actor, incarnation, episode));
         }

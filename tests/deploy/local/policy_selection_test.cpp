@@ -61,7 +61,7 @@ class PolicySelectionTest : public testing::Test {
 };
 
 TEST_F(PolicySelectionTest, FindsTheNewestPoliciesAndNothingElse) {
-  for (const uint64_t updates : {900, 10'000, 2'000}) SavePolicyAt(paths_, updates);
+  for (const uint64_t updates : {900u, 10'000u, 2'000u}) SavePolicyAt(paths_, updates);
   std::ofstream(paths_.checkpoints() / "checkpoint-000010000.ckpt") << "not a policy";
   fs::create_symlink("policy-000010000.dadrl", paths_.policy());
   const auto two = Newest(2);

@@ -25,7 +25,7 @@ TEST_F(ReplayFault, FiftyTimesKillNineUnderLoadLosesAndRepeatsNothing) {
   config_.replay.segment_bytes = 1 << 16;  // so that some fall between two segments
   Launch();
   std::vector<std::unique_ptr<PeerActor>> actors;
-  for (const uint32_t id : {11, 12, 13}) {
+  for (const uint32_t id : {11u, 12u, 13u}) {
     actors.push_back(std::make_unique<PeerActor>(*actor_node_, id, kIncarnation));
   }
   const auto pump = [&] {
@@ -78,7 +78,7 @@ TEST_F(ReplayFault, ALearnerThatTakesNothingHoldsUpNobody) {
   // Meanwhile others store what they drive, in turns.
   constexpr uint64_t kChunks = 400;
   std::vector<std::unique_ptr<PeerActor>> actors;
-  for (const uint32_t id : {11, 12, 13, 14}) {
+  for (const uint32_t id : {11u, 12u, 13u, 14u}) {
     actors.push_back(std::make_unique<PeerActor>(*actor_node_, id, 100));
     for (uint64_t i = 0; i < kChunks; ++i) {
       actors.back()->Add({.episode = i + 1, .frames = kFrames, .end = kTerminated});
