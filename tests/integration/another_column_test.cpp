@@ -93,7 +93,8 @@ TEST(AnotherColumn, IsSensedStoredDrawnAndLearntFrom) {
   float loss = 1.0f;
   for (int update = 0; update < 300; ++update) {
     const SampledBatch sampled = table->Sample(batch_shape, 1).value();
-    ASSERT_TRUE(decoder.Decode(EncodeTrajectories(sampled.trajectories, batch_shape, table->schema()), batch));
+    ASSERT_TRUE(
+        decoder.Decode(EncodeTrajectories(sampled.trajectories, batch_shape, table->schema()), batch));
     loss = value.Update(batch);
   }
   EXPECT_LT(loss, 1e-3f);

@@ -158,10 +158,10 @@ TEST_F(SnapshotTest, OfSegmentsThatWereDroppedMeanwhileItIsACopy) {
   for (uint64_t sequence = 1; sequence <= 200; ++sequence) ASSERT_TRUE(table->Insert(Chunk(sequence)));
   SegmentLog::Recovery recovery;
   table.reset();
-  auto log =
-      SegmentLog::Open(
-          {options_.directory, SchemaHash(options_.spec), 1 << 16}, [](const auto&, auto) { return true; }, recovery)
-          .value();
+  auto log = SegmentLog::Open(
+                 {options_.directory, SchemaHash(options_.spec), 1 << 16},
+                 [](const auto&, auto) { return true; }, recovery)
+                 .value();
   const auto extents = log->Extents();
   log->RemoveOldest();
   const auto snapshot = folder_.path() / "snapshot";

@@ -173,7 +173,8 @@ TEST_F(TableDamage, WhatIsNoFileOfOursIsLeftAlone) {
   const CapturedLog log;
   auto table = Open();
   EXPECT_EQ(table->stats().frames_held, 30u);
-  for (const uint64_t id : {20u, 21u, 22u, 23u}) EXPECT_THAT(log.text(), testing::HasSubstr(named(id).string()));
+  for (const uint64_t id : {20u, 21u, 22u, 23u})
+    EXPECT_THAT(log.text(), testing::HasSubstr(named(id).string()));
   Store(*table, 7, 8);
   EXPECT_EQ(fs::file_size(secret), 16u);
   EXPECT_TRUE(fs::is_symlink(named(20)) && fs::is_fifo(named(21)) && fs::is_directory(named(22)));

@@ -185,7 +185,8 @@ TEST_F(ToolsTest, OtherColumnsAreExportedAndImportedByTheirNames) {
     for (int i = 0; i < 4; ++i) {
       const auto x = static_cast<float>(i);
       std::ranges::fill(observation.floats(3), 0.25f * x);
-      builder.AddTransition(observation, std::array{0.1f, 0.2f, -x}, 0.5f, i == 3 ? kTerminated : uint8_t{0}, 1);
+      builder.AddTransition(observation, std::array{0.1f, 0.2f, -x}, 0.5f, i == 3 ? kTerminated : uint8_t{0},
+                            1);
     }
     ASSERT_EQ(table->Insert(builder.Finish({1, 5, 1})), ReplayTable::Insertion::kStored);
   }

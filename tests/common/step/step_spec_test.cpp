@@ -47,9 +47,9 @@ TEST(SchemaHash, FollowsEachPropertyOfEachColumnAndNotItsBound) {
 TEST(StepSpec, ColumnsAreFoundByNameOrRefusedWithAllThatIsThere) {
   const StepSpec spec = WithAGap();
   EXPECT_EQ(FindColumn(spec.observation, "gap", ElementType::kFloat32, 0).value(), 3u);
-  for (const auto& [name, type, dimensions] :
-       {std::tuple{"cap", ElementType::kFloat32, size_t{0}}, {"gap", ElementType::kBit, size_t{0}},
-        {"gap", ElementType::kFloat32, size_t{1}}}) {
+  for (const auto& [name, type, dimensions] : {std::tuple{"cap", ElementType::kFloat32, size_t{0}},
+                                               {"gap", ElementType::kBit, size_t{0}},
+                                               {"gap", ElementType::kFloat32, size_t{1}}}) {
     const auto missing = FindColumn(spec.observation, name, type, dimensions);
     ASSERT_FALSE(missing);
     EXPECT_THAT(missing.error().message,

@@ -19,7 +19,8 @@ bool WriteArrays() {
     shape.insert(shape.begin(), 1);
     const std::string array = NpyHeader(layout.type, shape) + std::string(layout.row_bytes, '\0');
     Written("import/" + layout.name + ".npy", std::as_bytes(std::span(array)));
-    Written(fmt::format("import/{}.npy", ArrayNameInFirstFormat(layout.name)), std::as_bytes(std::span(array)));
+    Written(fmt::format("import/{}.npy", ArrayNameInFirstFormat(layout.name)),
+            std::as_bytes(std::span(array)));
   }
   return true;
 }
@@ -40,10 +41,14 @@ bool Check(std::span<std::byte> input) {
 Seeds MakeSeeds() {
   const std::string columns = StepSpecToJson(DrivingShape{}).dump();
   const std::string described = fmt::format(
-      R"({{"format": "dadrl experience", "version": 2, "rows": 1, "columns": {}, "floats": "float16"}})", columns);
+      R"({{"format": "dadrl experience", "version": 2, "rows": 1, "columns": {}, "floats": "float16"}})",
+      columns);
   Seeds seeds{.accepted = {AsBytes(kGood), AsBytes(described)}, .refused = BadJson()};
-  for (const auto& [from, to] : {std::pair{"\"ego\"", "\"../ego\""}, {"[5,20]", "[5,1e30]"}, {"[5,20]", "[0]"},
-                                 {"history", "zip"}, {"\"action\"", "\"ego\""}}) {
+  for (const auto& [from, to] : {std::pair{"\"ego\"", "\"../ego\""},
+                                 {"[5,20]", "[5,1e30]"},
+                                 {"[5,20]", "[0]"},
+                                 {"history", "zip"},
+                                 {"\"action\"", "\"ego\""}}) {
     std::string index = described;
     index.replace(index.find(from), std::string_view(from).size(), to);
     seeds.refused.push_back(AsBytes(index));
