@@ -36,9 +36,11 @@ TEST(Starvation, IsNotTakenForAHang) {
   std::optional<json> after;
   {
     const BusyMachine busy;
+    // At two to four updates a second: a minute or more of it, each second of which could be taken for a
+    // hang.
     const double updates = (*before)["updates"];
     after = cluster.MonitorUntil(
-        [&](const json& monitor) { return IsTraining(monitor) && monitor["updates"] > updates + 500; }, 150);
+        [&](const json& monitor) { return IsTraining(monitor) && monitor["updates"] > updates + 200; }, 150);
   }
   ASSERT_TRUE(after) << cluster.Said();
   EXPECT_THAT(cluster.Said(), testing::Not(testing::HasSubstr(" hangs: ")));
