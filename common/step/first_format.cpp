@@ -1,23 +1,16 @@
 #include "common/step/first_format.h"
 
+#include <algorithm>
 #include <array>
 
 #include "common/io/checksum.h"
-#include "common/step/driving_shape.h"
 
 namespace dadrl {
 namespace {
 
 // The sizes went into the hash behind the format's version, 1.
-uint64_t Hash(const DrivingShape& shape) {
-  const std::array<int, 8> values = {1,
-                                     shape.vehicles,
-                                     shape.history,
-                                     DrivingShape::kVehicleFeatures,
-                                     DrivingShape::kEgoFeatures,
-                                     DrivingShape::kContextPlanes,
-                                     DrivingShape::kContextSize,
-                                     kActionSize};
+uint64_t Hash(int vehicles, int history) {
+  const std::array<int, 8> values = {1, vehicles, history, 7, 20, 2, 128, 2};
   return Xxh3(std::as_bytes(std::span(values)));
 }
 
@@ -30,21 +23,29 @@ bool SameColumns(const std::vector<ColumnSpec>& a, const std::vector<ColumnSpec>
 }  // namespace
 
 std::optional<uint64_t> HashInFirstFormat(const StepSpec& spec) {
-  const Result<DrivingShape> shape = DrivingShape::Find(spec);
-  if (!shape) return std::nullopt;
-  const StepSpec driving = DrivingStepSpec(*shape);
-  if (!SameColumns(spec.observation, driving.observation) || !SameColumns(spec.decision, driving.decision)) {
+  if (spec.observation.empty() || spec.observation.front().shape.size() != 3) return std::nullopt;
+  const std::vector<int>& vehicles = spec.observation.front().shape;
+  const StepSpec first = FirstFormatSpec(vehicles[0], vehicles[1]);
+  if (!SameColumns(spec.observation, first.observation) || !SameColumns(spec.decision, first.decision)) {
     return std::nullopt;
   }
-  return Hash(*shape);
+  return Hash(vehicles[0], vehicles[1]);
+}
+
+// As they were, for ever: what DrivingStepSpec comes to have is none of it.
+StepSpec FirstFormatSpec(int vehicles, int history) {
+  return {.observation =
+              {{"vehicles", ElementType::kFloat32, {vehicles, history, 7}, ColumnCodec::kHistory, 5.0f},
+               {"ego", ElementType::kFloat32, {history, 20}, ColumnCodec::kHistory, 5.0f},
+               {"context", ElementType::kBit, {2, 128, 128}, ColumnCodec::kBitPlanes}},
+          .decision = {{"action", ElementType::kFloat32, {2}, ColumnCodec::kRaw, 1.0f}}};
 }
 
 std::optional<StepSpec> SpecOfFirstFormat(uint64_t schema) {
   constexpr int kMost = 64;  // the ranges of observation.vehicles and observation.history are within
   for (int vehicles = 1; vehicles <= kMost; ++vehicles) {
     for (int history = 1; history <= kMost; ++history) {
-      const DrivingShape shape{.vehicles = vehicles, .history = history};
-      if (Hash(shape) == schema) return DrivingStepSpec(shape);
+      if (Hash(vehicles, history) == schema) return FirstFormatSpec(vehicles, history);
     }
   }
   return std::nullopt;

@@ -9,6 +9,8 @@
 
 namespace dadrl {
 
+StepSpec FirstFormatSpec(int vehicles, int history);
+
 // What such steps of `spec` were hashed to; nothing for other steps. It is their hash still.
 std::optional<uint64_t> HashInFirstFormat(const StepSpec& spec);
 

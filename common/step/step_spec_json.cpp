@@ -3,7 +3,7 @@
 #include <array>
 
 #include "common/io/json_text.h"
-#include "common/step/driving_shape.h"
+#include "common/step/first_format.h"
 
 namespace dadrl {
 namespace {
@@ -88,11 +88,11 @@ Result<StepSpec> SpecInFirstFormat(const Json& json, std::string_view origin) {
   constexpr uint64_t kMostVehicles = 64;  // as the configuration's ranges
   constexpr uint64_t kMostHistory = 50;
   JsonFields fields(json);
-  const DrivingShape shape{.vehicles = static_cast<int>(fields.Whole("vehicles", kMostVehicles)),
-                           .history = static_cast<int>(fields.Whole("history", kMostHistory))};
-  if (shape.vehicles < 1) fields.Refuse("vehicles");
-  if (shape.history < 1) fields.Refuse("history");
-  if (fields.ok()) return DrivingStepSpec(shape);
+  const auto vehicles = static_cast<int>(fields.Whole("vehicles", kMostVehicles));
+  const auto history = static_cast<int>(fields.Whole("history", kMostHistory));
+  if (vehicles < 1) fields.Refuse("vehicles");
+  if (history < 1) fields.Refuse("history");
+  if (fields.ok()) return FirstFormatSpec(vehicles, history);
   return Fail(ErrorCode::kCorrupt, "{}: 'observation.{}' is missing or out of range", origin, fields.bad());
 }
 

@@ -19,8 +19,8 @@ struct AlgorithmSpec {
   TrajectoryShape batch;                // what it trains on
   std::span<const ScalarSpec> scalars;  // of each update; of static storage
   bool gives_priorities = false;        // of the samples of each batch
-  // Actors begin with its untrained policy, version 1 is published before the first update; otherwise they
-  // drive at random until it.
+  // Its untrained policy is published as version 1 before the first update, else the first is that of the
+  // first update. Until a version arrives actors drive at random.
   bool acts_from_start = false;
 };
 

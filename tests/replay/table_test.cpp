@@ -73,6 +73,33 @@ TEST(ReplayTable, RefusesRewardsThatTheTaskCannotGiveAndTheirActorGoesOn) {
   EXPECT_EQ(log.text().find("refused a chunk"), log.text().rfind("refused a chunk")) << "said once";
 }
 
+TEST(ReplayTable, RefusesDecisionsBeyondTheBoundsOfTheirColumns) {
+  SystemClock clock;
+  const CapturedLog log;
+  const MemoryFolder folder;
+  uint64_t sequence = 0;
+  const auto chunk = [&](float first) {
+    ChunkBuilder builder(kTestSpec, FloatCoding::kFloat32);
+    builder.Begin(1, 0);
+    builder.AddTransition(Observation(kTestSpec), Action{first, 0.0f}, 0.0f, kTerminated, 1);
+    return builder.Finish({1, 1, ++sequence});
+  };
+  {
+    auto table = ReplayTable::Open(Options(folder.path()), clock).value();
+    EXPECT_EQ(table->Insert(chunk(1.5f), 1), Insertion::kRejected);
+    EXPECT_EQ(table->Insert(chunk(1.0f), 2), Insertion::kStored);
+    EXPECT_EQ(table->stats().rejected_chunks[static_cast<size_t>(ChunkFault::kContents)], 1u);
+    EXPECT_THAT(log.text(), testing::HasSubstr("decision (1.5, 0) is beyond what its columns allow"));
+  }
+  // The same found on disk, stored by somebody for whom it was possible.
+  StepSpec wide = kTestSpec;
+  wide.decision[0].bound = 2.0f;
+  TableOptions options = Options(folder.path());
+  options.spec = wide;
+  EXPECT_EQ(ReplayTable::Open(options, clock).value()->Insert(chunk(1.5f), 3), Insertion::kStored);
+  EXPECT_EQ(ReplayTable::Open(Options(folder.path()), clock).value()->stats().frames_held, 1u);
+}
+
 TEST(ReplayTable, RefusesPrioritiesThatNoErrorHas) {
   SystemClock clock;
   TableOptions options = Options();

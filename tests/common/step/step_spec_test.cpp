@@ -22,7 +22,12 @@ StepSpec WithAGap() {
 TEST(SchemaHash, OfTheFirstFormatsStepsIsWhatItWas) {
   EXPECT_EQ(SchemaHash(DrivingShape{6, 5}), 0xf5600e3bac1cca0cU);
   EXPECT_EQ(SchemaHash(DrivingShape{1, 1}), 0x2ccc6686f3a55683U);
-  EXPECT_EQ(SpecOfFirstFormat(0xf5600e3bac1cca0cU), DrivingStepSpec(DrivingShape{6, 5}));
+  const StepSpec first = SpecOfFirstFormat(0xf5600e3bac1cca0cU).value();
+  EXPECT_EQ(SchemaHash(first), 0xf5600e3bac1cca0cU);
+  // Whatever the columns of driving come to be.
+  EXPECT_EQ(ColumnsText(first.observation),
+            "vehicles float32 [6, 5, 7], ego float32 [5, 20], context bit [2, 128, 128]");
+  EXPECT_EQ(ColumnsText(first.decision), "action float32 [2]");
   EXPECT_EQ(SpecOfFirstFormat(1), std::nullopt);
 }
 
