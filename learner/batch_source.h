@@ -1,5 +1,4 @@
-// Where a learner's batches come from: the replay shards over DDS (BatchFetcher), or a table in the same
-// process.
+// Where a learner's batches come from: the replay shards (BatchFetcher).
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Where new policies go: to the actors over DDS (WeightPublisher), or to an actor in the same process.
+// Where new policies go: to the actors (WeightPublisher).
 #pragma once
 
 #include <cstdint>

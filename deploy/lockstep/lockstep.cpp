@@ -11,18 +11,15 @@
 #include "common/io/checksum.h"
 #include "common/model/policy_model.h"
 #include "common/util/log.h"
-#include "deploy/lockstep/in_process_ends.h"
+#include "deploy/lockstep/memory_cluster.h"
 #include "learner/algorithms/registry.h"
 #include "learner/checkpoint_store.h"
 #include "learner/checkpoint_writer.h"
 #include "learner/resume.h"
 #include "learner/trainer.h"
-#include "replay/table.h"
 
 namespace dadrl {
 namespace {
-
-constexpr uint64_t kReplaySeedIndex = 1;
 
 // Stamps publications: any constant will do where no clock may be read.
 int64_t NoWallTime() { return 0; }
@@ -43,16 +40,6 @@ Status CheckEnds(const Config& config) {
   return {};
 }
 
-TableOptions InMemoryTable(const Config& config) {
-  return {.directory = {},
-          .spec = DrivingStepSpec(config),
-          .replay = config.replay,
-          .n_step = config.algorithm.n_step,
-          .seed = DeriveSeed(config.seed, kReplaySeedIndex),
-          .bounds = ExperienceBounds::From(config),
-          .verify = nullptr};
-}
-
 // Who acts in what.
 struct Driving {
   std::unique_ptr<Environment> environment;
@@ -68,36 +55,50 @@ struct Driving {
   }
 };
 
+// Who waits for room lets the experience move on; no time passes.
+class Turns final : public Clock {
+ public:
+  Turns(const Clock& clock, MemoryCluster& cluster) : clock_(clock), cluster_(cluster) {}
+  TimePoint Now() const override { return clock_.Now(); }
+  void SleepFor(Duration) override { cluster_.PassExperience(); }
+
+ private:
+  const Clock& clock_;
+  MemoryCluster& cluster_;
+};
+
 // Driving, storing and training in turns, on one thread and a clock that only updates move.
 class Lockstep {
  public:
   Lockstep(const Config& config, Driving driving, std::unique_ptr<Algorithm> algorithm,
-           std::unique_ptr<ReplayTable> table, CheckpointStore store, const TrainingProgress& progress,
+           std::unique_ptr<MemoryCluster> cluster, CheckpointStore store, const TrainingProgress& progress,
            const std::atomic<bool>& stop)
       : config_(config),
         stop_(stop),
         driving_(std::move(driving)),
         algorithm_(std::move(algorithm)),
-        table_(std::move(table)),
+        cluster_(std::move(cluster)),
+        turns_(clock_, *cluster_),
         checkpoints_(std::move(store), clock_),
-        sink_(config, *table_),
-        batches_(config, algorithm_->spec().batch, *table_),
-        trainer_(config, {*algorithm_, batches_, relay_, checkpoints_, clock_, NoWallTime}, progress),
+        trainer_(config,
+                 {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_, NoWallTime},
+                 progress),
         collector_(config,
                    {.environment = *driving_.environment,
-                    .sink = sink_,
-                    .policies = relay_,
+                    .sink = cluster_->experience(),
+                    .policies = cluster_->policies(),
                     .policy = *driving_.policy,
                     .ledger = ledger_,
-                    .clock = clock_,
+                    .clock = turns_,
                     .stop = stop,
                     .driver = driving_.driver.get()},
                    0, 0) {}
 
   Result<LockstepResult> Run() {
     while (!stop_ && !EndReached()) {
+      cluster_->PassPolicy();
       DADRL_RETURN_IF_ERROR(collector_.RunEpisode().map([](const auto&) {}));
-      DADRL_RETURN_IF_ERROR(sink_.status());
+      DADRL_RETURN_IF_ERROR(cluster_->StoreExperience());
       DADRL_RETURN_IF_ERROR(TrainWhileAllowed());
     }
     DADRL_RETURN_IF_ERROR(trainer_.SaveNow());
@@ -118,6 +119,7 @@ class Lockstep {
   // Trains until the replay holds samples back.
   Status TrainWhileAllowed() {
     while (!stop_ && !EndReached()) {
+      cluster_->PassBatch();
       DADRL_ASSIGN_OR_RETURN(const Trainer::Step step, trainer_.RunStep(Duration::zero()));
       if (step == Trainer::Step::kNoBatch) return {};
       ++updates_;
@@ -132,11 +134,9 @@ class Lockstep {
   TimeLedger ledger_{clock_};
   Driving driving_;
   std::unique_ptr<Algorithm> algorithm_;
-  std::unique_ptr<ReplayTable> table_;
+  std::unique_ptr<MemoryCluster> cluster_;
+  Turns turns_;
   CheckpointWriter checkpoints_;
-  TableSink sink_;
-  TableBatchSource batches_;
-  PolicyRelay relay_;
   Trainer trainer_;
   Collector collector_;
   uint64_t updates_ = 0;
@@ -153,10 +153,10 @@ Result<LockstepResult> TrainInLockstep(const Config& config, const std::filesyst
   DADRL_ASSIGN_OR_RETURN(const TrainingProgress progress,
                          BeginTraining(config, *store, 0, false, *algorithm));
   DADRL_ASSIGN_OR_RETURN(Driving driving, Driving::Make(config));
-  // The replay's clock only measures waits, of which there are none here.
-  static const SystemClock replay_clock;
-  DADRL_ASSIGN_OR_RETURN(auto table, ReplayTable::Open(InMemoryTable(config), replay_clock));
-  Lockstep lockstep(config, std::move(driving), std::move(algorithm), std::move(table), std::move(*store),
+  DADRL_ASSIGN_OR_RETURN(VersionReserve reserve, VersionReserve::Open(run_directory / "checkpoints"));
+  DADRL_ASSIGN_OR_RETURN(auto cluster, MemoryCluster::Create(config, algorithm->spec().batch,
+                                                             driving.policy->layout(), std::move(reserve)));
+  Lockstep lockstep(config, std::move(driving), std::move(algorithm), std::move(cluster), std::move(*store),
                     progress, stop);
   return lockstep.Run();
 }

@@ -1,6 +1,6 @@
 // Training without concurrency: actor, replay and learner take turns inside one process, so that the same
 // configuration gives the same weights, bit for bit. The parts are those of the cluster; only what lies
-// between them (DDS, threads, the wall clock) is replaced by calls.
+// between them (DDS, threads, the wall clock) is memory, turns and a clock that only updates move.
 //
 // The one place that links all three roles (the design's exception to its own folder order).
 #pragma once
