@@ -8,33 +8,27 @@
 namespace dadrl {
 
 CheckpointWriter::CheckpointWriter(CheckpointStore store, const Clock& clock)
-    : store_(std::move(store)), clock_(clock), thread_([this] { Run(); }) {}
-
-CheckpointWriter::~CheckpointWriter() {
-  // A failure was logged when it happened; there is nobody left to tell.
-  static_cast<void>(Finish());
-  {
-    MutexLock lock(mutex_);
-    state_ = State::kStopping;
-    changed_.NotifyAll();
-  }
-  thread_.join();
-}
+    : store_(std::move(store)), clock_(clock), thread_([this](bool) {
+        SaveSubmitted();
+        return BackgroundThread::kUntilWoken;
+      }) {}
 
 Checkpoint* CheckpointWriter::Begin() {
   MutexLock lock(mutex_);
-  return state_ == State::kIdle ? &snapshot_ : nullptr;
+  return submitted_ ? nullptr : &snapshot_;
 }
 
 void CheckpointWriter::Submit() {
-  MutexLock lock(mutex_);
-  state_ = State::kSubmitted;
-  changed_.NotifyAll();
+  {
+    MutexLock lock(mutex_);
+    submitted_ = true;
+  }
+  thread_.Wake();
 }
 
 Status CheckpointWriter::Finish() {
   MutexLock lock(mutex_);
-  while (state_ == State::kSubmitted) changed_.Wait(mutex_);
+  while (submitted_) changed_.Wait(mutex_);
   return last_;
 }
 
@@ -43,31 +37,28 @@ CheckpointWriter::Progress CheckpointWriter::progress() const {
   return progress_;
 }
 
-void CheckpointWriter::Run() {
-  while (true) {
-    {
-      MutexLock lock(mutex_);
-      while (state_ == State::kIdle) changed_.Wait(mutex_);
-      if (state_ == State::kStopping) return;
-    }
-    Status saved = store_.Save(snapshot_);
-    if (saved) {
-      spdlog::info("checkpoint at {} updates, weights version {}", snapshot_.updates,
-                   snapshot_.weights_version);
-    }
-    ProcessFaults().Report(FaultKind::kCheckpoint, saved);
+void CheckpointWriter::SaveSubmitted() {
+  {
     MutexLock lock(mutex_);
-    if (saved) {
-      ++progress_.saved;
-      progress_.saved_at = clock_.Now();
-      progress_.saved_updates = snapshot_.updates;
-    } else {
-      ++progress_.failed;
-    }
-    last_ = std::move(saved);
-    state_ = State::kIdle;
-    changed_.NotifyAll();
+    if (!submitted_) return;
   }
+  Status saved = store_.Save(snapshot_);
+  if (saved) {
+    spdlog::info("checkpoint at {} updates, weights version {}", snapshot_.updates,
+                 snapshot_.weights_version);
+  }
+  ProcessFaults().Report(FaultKind::kCheckpoint, saved);
+  MutexLock lock(mutex_);
+  if (saved) {
+    ++progress_.saved;
+    progress_.saved_at = clock_.Now();
+    progress_.saved_updates = snapshot_.updates;
+  } else {
+    ++progress_.failed;
+  }
+  last_ = std::move(saved);
+  submitted_ = false;
+  changed_.NotifyAll();
 }
 
 }  // namespace dadrl

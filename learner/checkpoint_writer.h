@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <thread>
 
+#include "common/util/background_thread.h"
 #include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "learner/checkpoint_store.h"
@@ -18,7 +18,7 @@ class CheckpointWriter {
   // Borrows `clock`.
   CheckpointWriter(CheckpointStore store, const Clock& clock);
   // Finishes what was submitted.
-  ~CheckpointWriter();
+  ~CheckpointWriter() = default;
 
   // The snapshot to fill, or null while the one before is still being written: then try again later. Never
   // blocks.
@@ -37,18 +37,17 @@ class CheckpointWriter {
   Progress progress() const DADRL_EXCLUDES(mutex_);
 
  private:
-  enum class State { kIdle, kSubmitted, kStopping };
-  void Run() DADRL_EXCLUDES(mutex_);
+  void SaveSubmitted() DADRL_EXCLUDES(mutex_);
 
   CheckpointStore store_;
   const Clock& clock_;
-  Checkpoint snapshot_;  // the training thread's while idle, the writer's while submitted
+  Checkpoint snapshot_;  // the training thread's, the writer's while submitted
   mutable Mutex mutex_;
   CondVar changed_;
-  State state_ DADRL_GUARDED_BY(mutex_) = State::kIdle;
+  bool submitted_ DADRL_GUARDED_BY(mutex_) = false;
   Status last_ DADRL_GUARDED_BY(mutex_);
   Progress progress_ DADRL_GUARDED_BY(mutex_);
-  std::thread thread_;
+  BackgroundThread thread_;
 };
 
 }  // namespace dadrl

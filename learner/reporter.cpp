@@ -30,31 +30,11 @@ Reporter::Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t i
       started_(clock_.Now()),
       reported_at_(started_),
       printed_at_(started_),
-      thread_([this] { Run(); }) {}
+      thread_([this](bool last) { return ReportIfDue(last); }) {}
 
-Reporter::~Reporter() {
-  {
-    MutexLock lock(mutex_);
-    stopping_ = true;
-    changed_.NotifyAll();
-  }
-  thread_.join();
-}
-
-void Reporter::Run() {
-  bool stopping = false;
-  while (!stopping) {
-    {
-      MutexLock lock(mutex_);
-      const TimePoint due = reported_at_ + interval_;
-      for (Duration left = due - clock_.Now(); !stopping_ && left > Duration::zero();
-           left = due - clock_.Now()) {
-        changed_.WaitFor(mutex_, left);
-      }
-      stopping = stopping_;
-    }
-    Report();
-  }
+Duration Reporter::ReportIfDue(bool last) {
+  if (last || clock_.Now() >= reported_at_ + interval_) Report();
+  return reported_at_ + interval_ - clock_.Now();
 }
 
 void Reporter::Report() {

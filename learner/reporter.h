@@ -3,11 +3,10 @@
 
 #include <cstdint>
 #include <functional>
-#include <thread>
 
 #include "common/config/config.h"
+#include "common/util/background_thread.h"
 #include "common/util/clock.h"
-#include "common/util/mutex.h"
 #include "learner/batch_fetcher.h"
 #include "learner/checkpoint_writer.h"
 #include "learner/trainer.h"
@@ -29,10 +28,10 @@ class Reporter {
   };
   Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t incarnation);
   // Reports the last, partial interval.
-  ~Reporter();
+  ~Reporter() = default;
 
  private:
-  void Run() DADRL_EXCLUDES(mutex_);
+  Duration ReportIfDue(bool last);
   void Report();
   ProcessStatus MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
                            const ActivityTotals& activity) const;
@@ -49,10 +48,7 @@ class Reporter {
   ActivityTotals activity_;
   uint64_t batch_bytes_ = 0;
 
-  Mutex mutex_;
-  CondVar changed_;
-  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  BackgroundThread thread_;
 };
 
 }  // namespace dadrl

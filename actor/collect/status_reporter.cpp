@@ -27,31 +27,15 @@ StatusReporter::StatusReporter(TelemetryPublisher& publisher, const TelemetryCon
       source_(std::move(source)),
       started_(Now()),
       next_status_(started_),
-      thread_([this] { Run(); }) {}
+      thread_([this](bool last) {
+        last ? PublishStatus(Now()) : Look(Now());
+        return std::min(kLookInterval, status_interval_);
+      }) {}
 
-StatusReporter::~StatusReporter() {
-  {
-    MutexLock lock(mutex_);
-    stopping_ = true;
-    changed_.NotifyAll();
-  }
-  thread_.join();
-  PublishStatus(Now());
-}
-
-void StatusReporter::Run() {
-  do {
-    const TimePoint now = Now();
-    if (source_.on_look) source_.on_look();
-    wait_notice_.Update(source_.waiting_for(), now);
-    if (now >= next_status_) PublishStatus(now);
-  } while (!WaitForStop(std::min(kLookInterval, status_interval_)));
-}
-
-bool StatusReporter::WaitForStop(Duration timeout) {
-  MutexLock lock(mutex_);
-  if (!stopping_) changed_.WaitFor(mutex_, timeout);
-  return stopping_;
+void StatusReporter::Look(TimePoint now) {
+  if (source_.on_look) source_.on_look();
+  wait_notice_.Update(source_.waiting_for(), now);
+  if (now >= next_status_) PublishStatus(now);
 }
 
 void StatusReporter::PublishStatus(TimePoint now) {

@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <thread>
 
 #include "actor/collect/wait_notice.h"
+#include "common/util/background_thread.h"
 #include "common/util/clock.h"
-#include "common/util/mutex.h"
 #include "proto/telemetry.h"
 
 namespace dadrl {
@@ -30,11 +29,10 @@ class StatusReporter {
   StatusReporter(TelemetryPublisher& publisher, const TelemetryConfig& telemetry, int actor,
                  uint64_t incarnation, Source source);
   // Publishes a last status.
-  ~StatusReporter();
+  ~StatusReporter() = default;
 
  private:
-  void Run();
-  bool WaitForStop(Duration timeout);
+  void Look(TimePoint now);
   void PublishStatus(TimePoint now);
 
   TelemetryPublisher& publisher_;
@@ -43,15 +41,12 @@ class StatusReporter {
   const uint64_t incarnation_;
   const Source source_;
 
-  // Reporter thread.
+  // The thread's.
   TimePoint started_;
   TimePoint next_status_;
   WaitNotice wait_notice_;
 
-  Mutex mutex_;
-  CondVar changed_;
-  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  BackgroundThread thread_;
 };
 
 }  // namespace dadrl

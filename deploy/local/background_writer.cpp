@@ -5,21 +5,17 @@
 namespace dadrl {
 
 BackgroundWriter::BackgroundWriter(Writing writing)
-    : writing_(std::move(writing)), thread_([this] { Run(); }) {}
-
-BackgroundWriter::~BackgroundWriter() {
-  {
-    MutexLock lock(mutex_);
-    stopping_ = true;
-    changed_.NotifyAll();
-  }
-  thread_.join();
-}
+    : writing_(std::move(writing)), thread_([this](bool) {
+        WriteNewest();
+        return BackgroundThread::kUntilWoken;
+      }) {}
 
 void BackgroundWriter::Write(std::string content) {
-  MutexLock lock(mutex_);
-  waiting_ = std::move(content);
-  changed_.NotifyAll();
+  {
+    MutexLock lock(mutex_);
+    waiting_ = std::move(content);
+  }
+  thread_.Wake();
 }
 
 Status BackgroundWriter::last() const {
@@ -33,23 +29,20 @@ Status BackgroundWriter::Finish() {
   return last_;
 }
 
-void BackgroundWriter::Run() {
+void BackgroundWriter::WriteNewest() {
   std::string content;
-  while (true) {
-    {
-      MutexLock lock(mutex_);
-      while (!waiting_ && !stopping_) changed_.Wait(mutex_);
-      if (!waiting_) return;
-      content = std::move(*waiting_);
-      waiting_.reset();
-      busy_ = true;
-    }
-    Status written = writing_(content);
+  {
     MutexLock lock(mutex_);
-    busy_ = false;
-    last_ = std::move(written);
-    changed_.NotifyAll();
+    if (!waiting_) return;
+    content = std::move(*waiting_);
+    waiting_.reset();
+    busy_ = true;
   }
+  Status written = writing_(content);
+  MutexLock lock(mutex_);
+  busy_ = false;
+  last_ = std::move(written);
+  changed_.NotifyAll();
 }
 
 }  // namespace dadrl

@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <thread>
 
+#include "common/util/background_thread.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
 
@@ -19,7 +19,7 @@ class BackgroundWriter {
 
   explicit BackgroundWriter(Writing writing);
   // Finishes what was asked for.
-  ~BackgroundWriter();
+  ~BackgroundWriter() = default;
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
 
@@ -31,16 +31,15 @@ class BackgroundWriter {
   Status Finish() DADRL_EXCLUDES(mutex_);
 
  private:
-  void Run() DADRL_EXCLUDES(mutex_);
+  void WriteNewest() DADRL_EXCLUDES(mutex_);
 
   const Writing writing_;
   mutable Mutex mutex_;
   CondVar changed_;
   std::optional<std::string> waiting_ DADRL_GUARDED_BY(mutex_);
   bool busy_ DADRL_GUARDED_BY(mutex_) = false;
-  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
   Status last_ DADRL_GUARDED_BY(mutex_);
-  std::thread thread_;
+  BackgroundThread thread_;
 };
 
 }  // namespace dadrl
