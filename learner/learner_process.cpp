@@ -49,9 +49,9 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
                                                                   incarnation, newest_version, clock, {}));
   fetcher->Start();
   Trainer trainer(config, {*algorithm, *fetcher, *publisher, checkpoints, clock}, progress);
-  const Reporter reporter(config.telemetry,
-                          {trainer, checkpoints, telemetry, log, [&fetcher] { return fetcher->stats(); }},
-                          incarnation);
+  const Reporter reporter(
+      config.telemetry,
+      {trainer, checkpoints, telemetry, log, [&fetcher] { return fetcher->stats(); }, clock}, incarnation);
   DADRL_ASSIGN_OR_RETURN(const std::string why, trainer.Run(shutdown_requested));
   spdlog::info("training ended: {}", why);
   return {};

@@ -1,10 +1,7 @@
 #include "learner/reporter.h"
 
-#include <unistd.h>
-
 #include <cmath>
 
-#include "common/util/fault.h"
 #include "common/util/log.h"
 
 namespace dadrl {
@@ -26,23 +23,23 @@ std::vector<NamedScalar> NamedScalars(std::span<const ScalarSpec> specs, const T
 Reporter::Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t incarnation)
     : interval_(FromSeconds(config.interval_s)),
       parts_(parts),
-      incarnation_(incarnation),
-      started_(clock_.Now()),
-      reported_at_(started_),
-      printed_at_(started_),
+      envelope_({dds::Role::kLearner, 0, incarnation}, parts.clock, parts.trainer.ledger(),
+                parts.clock.Now()),
+      reported_at_(parts.clock.Now()),
+      printed_at_(reported_at_),
       thread_([this](bool last) { return ReportIfDue(last); }) {}
 
 Duration Reporter::ReportIfDue(bool last) {
-  if (last || clock_.Now() >= reported_at_ + interval_) Report();
-  return reported_at_ + interval_ - clock_.Now();
+  if (last || parts_.clock.Now() >= reported_at_ + interval_) Report();
+  return reported_at_ + interval_ - parts_.clock.Now();
 }
 
 void Reporter::Report() {
-  const TimePoint now = clock_.Now();
+  const TimePoint now = parts_.clock.Now();
   const TrainingInterval interval = parts_.trainer.TakeInterval();
   const FetchStats fetched = parts_.fetch_stats();
-  const ActivityTotals activity = parts_.trainer.ledger().Read();
-  const ProcessStatus status = MakeStatus(interval, fetched, activity);
+  const ProcessStatus status = MakeStatus(interval, fetched);
+  const ActivityTotals& activity = status.activities;
   parts_.telemetry.Publish(status);
 
   const double all_s = activity.AllSeconds() - activity_.AllSeconds();
@@ -64,17 +61,9 @@ void Reporter::Report() {
   batch_bytes_ = fetched.bytes;
 }
 
-ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
-                                   const ActivityTotals& activity) const {
+ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched) const {
   const CheckpointWriter::Progress saved = parts_.checkpoints.progress();
-  const TimePoint now = clock_.Now();
-  ProcessStatus status;
-  status.role = dds::Role::kLearner;
-  status.pid = ::getpid();
-  status.incarnation = incarnation_;
-  status.sent_ns = WallTimeNs();
-  status.uptime_s = ToSeconds(now - started_);
-  status.activities = activity;
+  ProcessStatus status = envelope_.Begin();
   status[Metric::kUpdates] = static_cast<double>(interval.updates);
   status[Metric::kWeightsVersion] = interval.weights_version;
   status[Metric::kBatchBytes] = static_cast<double>(fetched.bytes);
@@ -83,8 +72,8 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
   status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;
   status[Metric::kStalenessSecondsMax] = interval.staleness.seconds_max;
-  status.faults = ProcessFaults().Current();
-  status[Metric::kCheckpointAgeS] = ToSeconds(now - saved.saved_at.value_or(started_));
+  status[Metric::kCheckpointAgeS] =
+      saved.saved_at ? ToSeconds(parts_.clock.Now() - *saved.saved_at) : status.uptime_s;
   status.scalars = NamedScalars(parts_.trainer.scalar_specs(), interval);
   return status;
 }

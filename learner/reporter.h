@@ -1,7 +1,6 @@
 // What the learner tells people, once an interval: LCM status, training log, a line now and then.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 
 #include "common/config/config.h"
@@ -11,7 +10,7 @@
 #include "learner/checkpoint_writer.h"
 #include "learner/trainer.h"
 #include "learner/training_log.h"
-#include "proto/telemetry.h"
+#include "proto/status_envelope.h"
 
 namespace dadrl {
 
@@ -25,6 +24,7 @@ class Reporter {
     TelemetryPublisher& telemetry;
     TrainingLog& log;
     std::function<FetchStats()> fetch_stats;
+    const Clock& clock;
   };
   Reporter(const TelemetryConfig& config, const Parts& parts, uint64_t incarnation);
   // Reports the last, partial interval.
@@ -33,14 +33,11 @@ class Reporter {
  private:
   Duration ReportIfDue(bool last);
   void Report();
-  ProcessStatus MakeStatus(const TrainingInterval& interval, const FetchStats& fetched,
-                           const ActivityTotals& activity) const;
+  ProcessStatus MakeStatus(const TrainingInterval& interval, const FetchStats& fetched) const;
 
   const Duration interval_;
   Parts parts_;
-  const uint64_t incarnation_;
-  SystemClock clock_;
-  const TimePoint started_;
+  const StatusEnvelope envelope_;
 
   // The reporter's thread: what the last report said.
   TimePoint reported_at_;

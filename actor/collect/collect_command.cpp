@@ -148,7 +148,9 @@ Status Actor::Connect() {
                                                             .driver = driver_.get()},
                                            identity_.number, identity_.incarnation, log_->last_episode());
   reporter_ = std::make_unique<StatusReporter>(
-      *publisher_, config.telemetry, number(), identity_.incarnation,
+      *publisher_, config.telemetry,
+      StatusEnvelope({dds::Role::kActor, number(), identity_.incarnation}, clock_, ledger_, clock_.Now()),
+      clock_,
       StatusReporter::Source{.fill = [this](ProcessStatus& status) { FillStatus(status); },
                              .waiting_for = [this] { return WaitingFor(); },
                              .on_look = [this] { WatchAddress(); }});
@@ -222,7 +224,6 @@ void Actor::FillStatus(ProcessStatus& status) const {
     const int64_t age_ns = std::max<int64_t>(0, status.sent_ns - weights_->published_ns());
     set(Metric::kPolicyAgeS, static_cast<double>(age_ns) / 1e9);
   }
-  status.activities = ledger_.Read();
 }
 
 std::string Actor::WaitingForNumber() const {

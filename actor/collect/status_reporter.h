@@ -1,14 +1,13 @@
 // What an actor tells the world beside its loop: its status, and whom it waits for.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 
 #include "actor/collect/wait_notice.h"
 #include "common/util/background_thread.h"
 #include "common/util/clock.h"
-#include "proto/telemetry.h"
+#include "proto/status_envelope.h"
 
 namespace dadrl {
 
@@ -16,7 +15,7 @@ namespace dadrl {
 class StatusReporter {
  public:
   struct Source {
-    // Fills metrics and activity of a status; the reporter adds the rest. Called on the reporter's thread.
+    // Fills the metrics of a status. Called on the reporter's thread.
     std::function<void(ProcessStatus&)> fill;
     // Whom the process waits for ("the replay at 127.0.0.1:7410"); empty when for nobody. Logged by
     // WaitNotice.
@@ -25,24 +24,23 @@ class StatusReporter {
     std::function<void()> on_look = {};
   };
 
-  // Borrows `publisher`.
-  StatusReporter(TelemetryPublisher& publisher, const TelemetryConfig& telemetry, int actor,
-                 uint64_t incarnation, Source source);
+  // Borrows `publisher` and `clock`.
+  StatusReporter(TelemetryPublisher& publisher, const TelemetryConfig& telemetry,
+                 const StatusEnvelope& envelope, const Clock& clock, Source source);
   // Publishes a last status.
   ~StatusReporter() = default;
 
  private:
-  void Look(TimePoint now);
-  void PublishStatus(TimePoint now);
+  void Look();
+  void PublishStatus();
 
   TelemetryPublisher& publisher_;
   const Duration status_interval_;
-  const int actor_;
-  const uint64_t incarnation_;
+  const StatusEnvelope envelope_;
+  const Clock& clock_;
   const Source source_;
 
   // The thread's.
-  TimePoint started_;
   TimePoint next_status_;
   WaitNotice wait_notice_;
 

@@ -62,6 +62,9 @@ Status ReplayService::Join() {
       server_, BatchServer::Create(*node_, options_.shard, *table_, clock_, [this] { ingest_->Wake(); }));
   DADRL_ASSIGN_OR_RETURN(
       ingest_, Ingest::Create(*node_, config, options_.shard, *table_, clock_, [this] { server_->Wake(); }));
+  envelope_.emplace(
+      StatusEnvelope::Sender{dds::Role::kReplay, static_cast<int>(options_.shard), options_.incarnation},
+      clock_, server_->ledger(), started_);
   keeper_ = std::make_unique<Keeper>(config.replay, options_.shard, options_.run_directory, *table_, clock_);
   DADRL_ASSIGN_OR_RETURN(commands_, CommandDesk::Create(*node_, options_.shard, *table_, *keeper_, [this] {
                            ingest_->Wake();
@@ -142,13 +145,8 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
 
 void ReplayService::PublishStatus() {
   const ReplayTable::Stats table = table_->stats();
-  ProcessStatus status;
-  status.role = dds::Role::kReplay;
-  status.index = static_cast<int>(options_.shard);
-  status.pid = getpid();
-  status.incarnation = options_.incarnation;
-  status.sent_ns = WallTimeNs();
-  status.uptime_s = ToSeconds(clock_.Now() - started_);
+  // Its activities show the server's thread: which side is slower.
+  ProcessStatus status = envelope_->Begin();
   status[Metric::kInsertedFrames] = static_cast<double>(table.inserted_frames);
   status[Metric::kInsertedBytes] = static_cast<double>(table.inserted_bytes);
   status[Metric::kSampledTransitions] = static_cast<double>(table.sampled);
@@ -161,8 +159,7 @@ void ReplayService::PublishStatus() {
   status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
   status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
   status[Metric::kSnapshotBytes] = static_cast<double>(keeper_->snapshot_bytes());
-  // The server's thread shows which side is slower; from the ingest thread come only the waits it alone has.
-  status.activities = server_->ledger().Read();
+  // From the ingest thread come only the waits it alone has.
   const ActivityTotals ingest = ingest_->ledger().Read();
   for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {
     status.activities[activity] = ingest[activity];
@@ -171,7 +168,6 @@ void ReplayService::PublishStatus() {
   TimeSpent& for_disk = status.activities[Activity::kWaitForDisk];
   for_disk.count += table.for_disk.count;
   for_disk.seconds += table.for_disk.seconds;
-  status.faults = ProcessFaults().Current();
   telemetry_->Publish(status);
 }
 

@@ -10,13 +10,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "common/config/config.h"
 #include "common/dds/node.h"
 #include "common/port/port.h"
 #include "common/util/clock.h"
 #include "common/util/result.h"
-#include "proto/telemetry.h"
+#include "proto/status_envelope.h"
 #include "proto/topics.h"
 #include "replay/service/batch_server.h"
 #include "replay/service/command_desk.h"
@@ -71,6 +72,7 @@ class ReplayService {
   std::unique_ptr<LeaseOffice> leases_;
   std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;
+  std::optional<StatusEnvelope> envelope_;
 };
 
 // Resident memory of this process, bytes; 0 where /proc is not there.

@@ -18,7 +18,10 @@ TEST(StatusReporter, SaysWhatTheSourceKnowsAndWhomItWaitsFor) {
   TelemetryConfig telemetry;
   telemetry.interval_s = 0.05;
   std::atomic<int> asked{0};
-  const StatusReporter reporter(publisher, telemetry, 4, 99,
+  const SystemClock clock;
+  const TimeLedger ledger(clock);
+  const StatusEnvelope envelope({dds::Role::kActor, 4, 99}, clock, ledger, clock.Now());
+  const StatusReporter reporter(publisher, telemetry, envelope, clock,
                                 {.fill = [](ProcessStatus& status) { status[Metric::kEnvSteps] = 17; },
                                  .waiting_for = [&] { return ++asked == 1 ? "the test" : ""; }});
   EXPECT_TRUE(Eventually([&] { return asked >= 2; }));
