@@ -15,13 +15,13 @@
 namespace dadrl {
 namespace {
 
-constexpr std::string_view kMagic = "DADRLCKP";
-constexpr uint32_t kFormat = 1;
+constexpr FileKind kKind{.magic = "DADRLCKP",
+                         .name = "a checkpoint",
+                         .remedy = "remove it and resume from the checkpoint before it"};
 // No checkpoint is longer: three times what the largest networks that a configuration allows come to.
 constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
 // Magic, format, blocks and file length: readable whatever the rest is.
 constexpr size_t kHeadBytes = 8 + 4 + 4 + 8;
-constexpr std::string_view kRemedy = "remove it and resume from the checkpoint before it";
 
 template <typename T>
 void PutVector(ByteWriter& writer, const std::vector<T>& values) {
@@ -33,8 +33,7 @@ void PutVector(ByteWriter& writer, const std::vector<T>& values) {
 std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   std::vector<std::byte> header;
   ByteWriter writer(header);
-  writer.PutBytes(std::as_bytes(std::span(kMagic)));
-  writer.Put(kFormat);
+  kKind.PutHead(writer);
   writer.Put(static_cast<uint32_t>(checkpoint.blocks.size()));
   writer.Put(uint64_t{0});  // file length, known below
   writer.Put(checkpoint.updates);
@@ -150,29 +149,19 @@ Status SaveCheckpoint(const std::filesystem::path& path, const Checkpoint& check
 
 Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
   DADRL_ASSIGN_OR_RETURN(FileReader reader, FileReader::Open(path, kMaxFileBytes));
-  const std::vector<char> magic = reader.GetVector<char>(kMagic.size());
-  const auto format = reader.Get<uint32_t>();
+  DADRL_RETURN_IF_ERROR(reader.GetHead(kKind));
   const auto blocks = reader.Get<uint32_t>();
   const auto length = reader.Get<uint64_t>();
-  if (!reader.ok() || !std::ranges::equal(magic, kMagic)) {
-    return Fail(ErrorCode::kCorrupt, "{} is not a checkpoint: {}", path.string(), kRemedy);
-  }
-  if (format != kFormat) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "checkpoint {} is of format {}, this program reads format {}: resume with the program that wrote it",
-        path.string(), format, kFormat);
-  }
   if (length != reader.file_bytes()) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged ({} bytes, {} were written): {}", path.string(),
-                reader.file_bytes(), length, kRemedy);
+                reader.file_bytes(), length, kKind.remedy);
   }
   Checkpoint checkpoint;
   ReadBody(reader, blocks, checkpoint);
-  DADRL_RETURN_IF_ERROR(reader.CheckEnd(kRemedy));
+  DADRL_RETURN_IF_ERROR(reader.CheckEnd(kKind.remedy));
   if (!IsPossible(checkpoint)) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged (no training comes to its numbers): {}", path.string(),
-                kRemedy);
+                kKind.remedy);
   }
   return checkpoint;
 }

@@ -14,7 +14,6 @@ namespace dadrl {
 namespace {
 
 constexpr uint32_t kChunkMagic = 0x43584441;  // "ADXC"
-constexpr size_t kChecksumBytes = 8;
 
 // As it is on the wire: there are no gaps.
 struct WireHeader {
@@ -120,7 +119,7 @@ std::vector<std::byte> ChunkBuilder::Finish(const ChunkIdentity& identity) const
   bytes.resize(bytes.size() + PaddedFlags(frames) - frames);
   writer.PutBytes(std::as_bytes(std::span(offsets_)));
   writer.PutBytes(payloads_);
-  writer.Put(Xxh3(bytes));
+  AppendChecksum(bytes);
   return bytes;
 }
 
@@ -157,9 +156,7 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
     return Fail(ErrorCode::kCorrupt, "chunk of {} bytes, its header says {}", bytes.size(), expected);
   }
   checking(ChunkFault::kChecksum);
-  if (Xxh3(bytes.first(bytes.size() - kChecksumBytes)) != Load<uint64_t>(&bytes[bytes.size() - 8], 0)) {
-    return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
-  }
+  if (!CheckedContent(bytes)) return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
   ChunkView view;
   view.bytes_ = bytes;
   view.frames_ = static_cast<uint16_t>(header.frames);

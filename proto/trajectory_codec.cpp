@@ -13,7 +13,6 @@ namespace {
 
 constexpr uint32_t kMagic = 0x54584441;  // "ADXT"
 constexpr uint32_t kVersion = 1;
-constexpr size_t kChecksumBytes = 8;
 constexpr size_t kAhead = 16;  // trajectories whose payloads are asked for before they are copied
 
 // As they are on the wire: there are no gaps.
@@ -176,14 +175,13 @@ Result<TrajectoryDecoder::Sections> TrajectoryDecoder::CheckEnvelope(std::span<c
   if (bytes.size() < sizeof(WireHeader) + kChecksumBytes) {
     return Fail(ErrorCode::kCorrupt, "batch of {} bytes is too short", bytes.size());
   }
-  const auto content = bytes.first(bytes.size() - kChecksumBytes);
   WireHeader header;
   std::memcpy(&header, bytes.data(), sizeof(header));
   if (header.magic != kMagic || header.version != kVersion) {
     return Fail(ErrorCode::kCorrupt, "batch has no magic number of version {}", kVersion);
   }
-  if (header.total != bytes.size() ||
-      ByteReader(bytes.last(kChecksumBytes)).Get<uint64_t>() != Xxh3(content)) {
+  const auto content = header.total == bytes.size() ? CheckedContent(bytes) : std::nullopt;
+  if (!content) {
     return Fail(ErrorCode::kCorrupt, "batch of {} bytes fails its length, {}, or its checksum", bytes.size(),
                 header.total);
   }
@@ -195,7 +193,7 @@ Result<TrajectoryDecoder::Sections> TrajectoryDecoder::CheckEnvelope(std::span<c
                 "batch of {} trajectories of {} steps and schema {:#x}; asked for {} of {} and {:#x}",
                 header.trajectories, header.steps, header.schema, shape.count, shape.steps, schema_);
   }
-  ByteReader reader(content.subspan(sizeof(header)));
+  ByteReader reader(content->subspan(sizeof(header)));
   std::vector<Entry> entries(header.trajectories);
   uint64_t steps = 0;
   uint64_t payloads = 0;

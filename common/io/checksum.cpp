@@ -7,9 +7,20 @@
 
 #include <new>
 
+#include "common/io/byte_io.h"
+
 namespace dadrl {
 
 uint64_t Xxh3(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+void AppendChecksum(std::vector<std::byte>& bytes) { ByteWriter(bytes).Put(Xxh3(bytes)); }
+
+std::optional<std::span<const std::byte>> CheckedContent(std::span<const std::byte> bytes) {
+  if (bytes.size() < kChecksumBytes) return std::nullopt;
+  const auto content = bytes.first(bytes.size() - kChecksumBytes);
+  if (ByteReader(bytes.last(kChecksumBytes)).Get<uint64_t>() != Xxh3(content)) return std::nullopt;
+  return content;
+}
 
 struct Xxh3Stream::State {
   XXH3_state_t* state = XXH3_createState();

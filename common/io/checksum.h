@@ -4,11 +4,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 namespace dadrl {
 
 uint64_t Xxh3(std::span<const std::byte> bytes);
+
+// How a file or message of ours ends: the checksum of everything before, little endian.
+inline constexpr size_t kChecksumBytes = 8;
+void AppendChecksum(std::vector<std::byte>& bytes);
+// What stands before the checksum; nothing where `bytes` are too few or not those that it was appended to.
+std::optional<std::span<const std::byte>> CheckedContent(std::span<const std::byte> bytes);
 
 // The same over bytes that come in pieces. Not thread safe.
 class Xxh3Stream {

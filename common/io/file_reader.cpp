@@ -9,6 +9,21 @@ Result<FileReader> FileReader::Open(const std::filesystem::path& path, uint64_t 
   return FileReader(std::move(file), path);
 }
 
+Result<uint32_t> FileReader::GetHead(const FileKind& kind) {
+  const std::vector<char> magic = GetVector<char>(kind.magic.size());
+  const auto format = Get<uint32_t>();
+  if (!ok() || !std::ranges::equal(magic, kind.magic)) {
+    return Fail(ErrorCode::kCorrupt, "{} is not {}: {}", path_.string(), kind.name, kind.remedy);
+  }
+  if (format >= kind.oldest && format <= kind.format) return format;
+  const std::string read = kind.oldest == kind.format
+                               ? fmt::format("format {}", kind.format)
+                               : fmt::format("formats {} to {}", kind.oldest, kind.format);
+  return Fail(ErrorCode::kInvalidArgument,
+              "{} is {} of format {}, this program reads {}: use the program that wrote it", path_.string(),
+              kind.name, format, read);
+}
+
 size_t FileReader::Fitting(uint64_t count, size_t size) {
   if (count > left_ / size) ok_ = false;
   return ok_ ? count : 0;

@@ -11,11 +11,26 @@
 #include <utility>
 #include <vector>
 
+#include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "common/util/result.h"
 
 namespace dadrl {
+
+// What a kind of file begins with: its magic, then u32 format.
+struct FileKind {
+  std::string_view magic;
+  std::string_view name;  // "a checkpoint"
+  uint32_t oldest = 1;    // format that is still read
+  uint32_t format = 1;    // that is written
+  std::string_view remedy;
+
+  void PutHead(ByteWriter& writer) const {
+    writer.PutBytes(std::as_bytes(std::span(magic)));
+    writer.Put(format);
+  }
+};
 
 // Little-endian values from a file that ends in the xxh3-64 of everything before. A length that the file
 // gives is believed, and memory taken for it, only as far as bytes are left. After the first read that does
@@ -27,6 +42,9 @@ class FileReader {
   static Result<FileReader> Open(const std::filesystem::path& path, uint64_t max_bytes,
                                  Links links = Links::kRefuse);
 
+  // The format, to be read first: a file that never was of this kind is called so, not damaged. kCorrupt,
+  // with the remedy: of another kind. kInvalidArgument: of a format that is not read.
+  Result<uint32_t> GetHead(const FileKind& kind);
   template <typename T>
   requires std::is_arithmetic_v<T> T Get() {
     T value{};

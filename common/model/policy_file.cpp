@@ -16,12 +16,16 @@
 namespace dadrl {
 namespace {
 
-constexpr std::string_view kMagic = "DADRLPOL";
-constexpr uint32_t kFormat = 3;
 constexpr uint32_t kPolicyAlone = 1;  // 2: policy and critics without names
+constexpr uint32_t kNamed = 3;
 constexpr std::array<std::string_view, 7> kSections = {"scenario",    "seed",  "traffic",  "task",
                                                        "observation", "model", "algorithm"};
 constexpr std::string_view kRemedy = "take another policy file of the run's checkpoints folder";
+constexpr FileKind kKind{.magic = "DADRLPOL",
+                         .name = "a policy file",
+                         .oldest = kPolicyAlone,
+                         .format = kNamed,
+                         .remedy = kRemedy};
 
 // The names become folders of an export.
 bool IsNetworkName(std::string_view name) {
@@ -29,22 +33,6 @@ bool IsNetworkName(std::string_view name) {
   return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   });
-}
-
-// Magic and format come before everything else, so that a file that never was a policy is called so.
-Result<uint32_t> ReadFormat(FileReader& reader, const std::filesystem::path& path) {
-  const std::vector<char> magic = reader.GetVector<char>(kMagic.size());
-  const auto format = reader.Get<uint32_t>();
-  if (!reader.ok() || !std::ranges::equal(magic, kMagic)) {
-    return Fail(ErrorCode::kCorrupt, "{} is not a policy file: {}", path.string(), kRemedy);
-  }
-  if (format < kPolicyAlone || format > kFormat) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "{} is a policy file of format {}, this program reads formats {} to {}: use the program "
-                "that wrote it",
-                path.string(), format, kPolicyAlone, kFormat);
-  }
-  return format;
 }
 
 std::vector<StoredNetwork> ReadNetworks(FileReader& reader) {
@@ -100,8 +88,7 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
   for (const NamedNetwork& network : policy.networks) length += network.parameters.size_bytes() + 128;
   bytes.reserve(length);
   ByteWriter writer(bytes);
-  writer.PutBytes(std::as_bytes(std::span(kMagic)));
-  writer.Put(kFormat);
+  kKind.PutHead(writer);
   writer.Put(policy.policy_version);
   writer.Put(policy.updates);
   writer.PutText(policy.config_yaml);
@@ -112,21 +99,21 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
     writer.Put(uint64_t{network.parameters.size()});
     writer.PutBytes(std::as_bytes(network.parameters));
   }
-  writer.Put(Xxh3(bytes));
+  AppendChecksum(bytes);
   return WriteFileAtomically(path, bytes);
 }
 
 Result<PolicyFile> LoadPolicy(const std::filesystem::path& path) {
   DADRL_ASSIGN_OR_RETURN(FileReader reader,
                          FileReader::Open(FollowLinks(path), kMaxPolicyBytes, Links::kFollow));
-  DADRL_ASSIGN_OR_RETURN(const uint32_t format, ReadFormat(reader, path));
+  DADRL_ASSIGN_OR_RETURN(const uint32_t format, reader.GetHead(kKind));
   PolicyFile policy;
   policy.policy_version = reader.Get<uint32_t>();
   policy.updates = reader.Get<uint64_t>();
-  const uint64_t policy_hash = format == kFormat ? 0 : reader.Get<uint64_t>();
+  const uint64_t policy_hash = format == kNamed ? 0 : reader.Get<uint64_t>();
   const std::string config_yaml = reader.GetText();
   policy.networks =
-      format == kFormat ? ReadNetworks(reader) : ReadUnnamedNetworks(reader, format, policy_hash);
+      format == kNamed ? ReadNetworks(reader) : ReadUnnamedNetworks(reader, format, policy_hash);
   DADRL_RETURN_IF_ERROR(reader.CheckEnd(kRemedy));
   DADRL_RETURN_IF_ERROR(CheckNetworks(policy.networks, path));
   DADRL_RETURN_IF_ERROR(ParseYamlSections(config_yaml, path.string(), kSections, policy.config));

@@ -49,7 +49,7 @@ std::vector<std::byte> EncodeSegmentHeader(uint64_t id, uint64_t schema) {
   writer.Put(uint32_t{0});
   writer.Put(id);
   writer.Put(schema);
-  writer.Put(Xxh3(header));
+  AppendChecksum(header);
   return header;
 }
 
@@ -62,7 +62,7 @@ SegmentHeader ParseSegmentHeader(std::span<const std::byte> file) {
   reader.Get<uint32_t>();
   header.id = reader.Get<uint64_t>();
   header.schema = reader.Get<uint64_t>();
-  header.whole = magic == kSegmentMagic && reader.Get<uint64_t>() == Xxh3(file.first(kSegmentHeader - 8));
+  header.whole = magic == kSegmentMagic && CheckedContent(file.first(kSegmentHeader));
   return header;
 }
 

@@ -87,16 +87,14 @@ std::vector<std::byte> EncodeReplayState(const ReplayState& state) {
   }
   state.sequences.Put(writer);
   state.items.Put(writer);
-  writer.Put(Xxh3(bytes));
+  AppendChecksum(bytes);
   return bytes;
 }
 
 Result<ReplayState> DecodeReplayState(std::span<const std::byte> bytes, const std::string& name) {
-  const size_t content = bytes.size() < 8 ? 0 : bytes.size() - 8;
-  if (ByteReader(bytes.subspan(content)).Get<uint64_t>() != Xxh3(bytes.first(content))) {
-    return Fail(ErrorCode::kCorrupt, "{} fails its checksum", name);
-  }
-  ByteReader reader(bytes.first(content));
+  const auto content = CheckedContent(bytes);
+  if (!content) return Fail(ErrorCode::kCorrupt, "{} fails its checksum", name);
+  ByteReader reader(*content);
   if (reader.Get<uint32_t>() != kStateMagic || reader.Get<uint32_t>() != kStateVersion) {
     return Fail(ErrorCode::kCorrupt, "{} is not a replay state of format {}", name, kStateVersion);
   }

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include "common/config/config_yaml.h"
+#include "common/io/byte_io.h"
 #include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "tests/common/io/temporary_folder.h"
@@ -53,6 +54,23 @@ TEST_F(CheckpointTest, ReadsBackEverything) {
   FakeAlgorithm other(200, 99);
   ASSERT_TRUE(RestoreState(*loaded, path_, other));
   EXPECT_EQ(StateOf(other), StateOf(algorithm_));
+}
+
+// As another program computed it from the format: old files and new ones stay the same.
+TEST_F(CheckpointTest, WritesTheBytesOfItsFormat) {
+  Checkpoint checkpoint;
+  checkpoint.updates = 12;
+  checkpoint.weights_version = 5;
+  checkpoint.trained_s = 61.5;
+  checkpoint.config_yaml = "seed: 3\n";
+  checkpoint.published_ns = {100, 200};
+  checkpoint.networks = {{"policy", 0x1234, {0.5f, -1.25f}}};
+  checkpoint.blocks = {{"a", {std::byte{1}, std::byte{2}, std::byte{3}}}};
+  ASSERT_TRUE(SaveCheckpoint(path_, checkpoint));
+  const std::vector<std::byte> bytes = ReadFile(path_, 1 << 20).value();
+  ASSERT_EQ(bytes.size(), 128u);
+  EXPECT_EQ(ByteReader(std::span(bytes).last(8)).Get<uint64_t>(), 0x1348f858eb3b62adu);
+  EXPECT_TRUE(CheckedContent(bytes));
 }
 
 TEST_F(CheckpointTest, DamageAtAnyOffsetIsNoticed) {

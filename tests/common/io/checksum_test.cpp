@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/io/crc32c.h"
 
@@ -27,6 +30,29 @@ TEST(Xxh3, OneFlippedBitChangesIt) {
   const uint64_t before = Xxh3(Bytes(text));
   text[500] = static_cast<char>(text[500] ^ 1);
   EXPECT_NE(Xxh3(Bytes(text)), before);
+}
+
+TEST(CheckedContent, IsWhatTheChecksumWasAppendedTo) {
+  const auto text = Bytes("what was written");
+  std::vector<std::byte> bytes(text.begin(), text.end());
+  AppendChecksum(bytes);
+  ASSERT_EQ(bytes.size(), text.size() + kChecksumBytes);
+  const auto content = CheckedContent(bytes);
+  ASSERT_TRUE(content);
+  EXPECT_TRUE(std::ranges::equal(*content, text));
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::vector<std::byte> bad = bytes;
+    bad[i] ^= std::byte{1};
+    EXPECT_FALSE(CheckedContent(bad)) << "byte " << i;
+    EXPECT_FALSE(CheckedContent(std::span(bytes).first(i))) << i << " bytes";
+  }
+}
+
+TEST(CheckedContent, MayBeEmpty) {
+  std::vector<std::byte> bytes;
+  AppendChecksum(bytes);
+  ASSERT_TRUE(CheckedContent(bytes));
+  EXPECT_TRUE(CheckedContent(bytes)->empty());
 }
 
 // RFC 3720, B.4, and the check value of the CRC catalogue.

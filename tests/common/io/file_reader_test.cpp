@@ -18,7 +18,7 @@ class FileReaderTest : public testing::Test {
  protected:
   // Appends the checksum and writes the file.
   void Seal() {
-    writer_.Put(Xxh3(bytes_));
+    AppendChecksum(bytes_);
     WritePlainly(path_, bytes_);
   }
   FileReader Open() { return FileReader::Open(path_, 1 << 30).value(); }
@@ -28,6 +28,46 @@ class FileReaderTest : public testing::Test {
   std::vector<std::byte> bytes_;
   ByteWriter writer_{bytes_};
 };
+
+constexpr FileKind kKind{
+    .magic = "DADRLXYZ", .name = "a thing", .oldest = 2, .format = 3, .remedy = "take another"};
+
+TEST_F(FileReaderTest, ReadsTheFormatsOfItsKind) {
+  for (const uint32_t format : {2u, 3u}) {
+    bytes_.clear();
+    FileKind written = kKind;
+    written.format = format;
+    written.PutHead(writer_);
+    Seal();
+    FileReader reader = Open();
+    EXPECT_EQ(reader.GetHead(kKind), format);
+    EXPECT_TRUE(reader.CheckEnd(kKind.remedy));
+  }
+  EXPECT_EQ(bytes_.size(), 8u + 4u + 8u);
+}
+
+TEST_F(FileReaderTest, RefusesAnotherKindAndFormatsThatItDoesNotRead) {
+  for (const uint32_t format : {1u, 4u}) {
+    bytes_.clear();
+    FileKind written = kKind;
+    written.format = format;
+    written.PutHead(writer_);
+    Seal();
+    const auto head = Open().GetHead(kKind);
+    EXPECT_EQ(head.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(head.error().message,
+                AllOf(HasSubstr(path_.string()), HasSubstr("a thing of format " + std::to_string(format)),
+                      HasSubstr("formats 2 to 3")));
+  }
+  bytes_[7] = std::byte{'!'};
+  WritePlainly(path_, bytes_);
+  for (const size_t length : {bytes_.size(), size_t{5}, size_t{0}}) {
+    WritePlainly(path_, std::span(bytes_).first(length));
+    const auto head = Open().GetHead(kKind);
+    EXPECT_EQ(head.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(head.error().message, HasSubstr("is not a thing: take another"));
+  }
+}
 
 TEST_F(FileReaderTest, ReadsValuesTextsAndVectorsInOrder) {
   writer_.Put(uint32_t{7});

@@ -79,6 +79,17 @@ TEST_F(PolicyFileTest, ReadsBackEverything) {
   EXPECT_EQ(loaded->Find("value"), nullptr);
 }
 
+// As another program computed it from the format: old files and new ones stay the same.
+TEST_F(PolicyFileTest, WritesTheBytesOfItsFormat) {
+  PolicyToSave policy = Policy();
+  policy.config_yaml = "seed: 3\n";
+  ASSERT_TRUE(SavePolicy(path_, policy));
+  const std::vector<std::byte> bytes = Saved();
+  ASSERT_EQ(bytes.size(), 124u);
+  EXPECT_EQ(ByteReader(std::span(bytes).last(8)).Get<uint64_t>(), 0x57ccafee284a2357u);
+  EXPECT_TRUE(CheckedContent(bytes));
+}
+
 TEST_F(PolicyFileTest, OutlivesChangesOfKeysThatNobodyDrivesBy) {
   config_.model.hidden = 128;
   PolicyToSave policy = Policy();

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/io/byte_io.h"
 #include "replay/storage/segment_format.h"
 #include "replay/storage/segment_log.h"
 #include "tests/replay/test_chunks.h"
@@ -69,6 +70,17 @@ class SegmentFile : public testing::Test {
   std::vector<uint64_t> ends_;
   std::string bytes_;
 };
+
+// As another program computed it from the format: old files and new ones stay the same.
+TEST(SegmentFormat, HeaderHasTheBytesOfItsFormat) {
+  const std::vector<std::byte> header = EncodeSegmentHeader(7, 42);
+  ASSERT_EQ(header.size(), kSegmentHeader);
+  EXPECT_EQ(ByteReader(std::span(header).last(8)).Get<uint64_t>(), 0x5124f84e1b6cc7c0u);
+  const SegmentHeader parsed = ParseSegmentHeader(header);
+  EXPECT_TRUE(parsed.whole);
+  EXPECT_EQ(parsed.id, 7u);
+  EXPECT_EQ(parsed.schema, 42u);
+}
 
 TEST_F(SegmentFile, ComesBackWhole) {
   const Contents contents = Read(path_);

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <functional>
 
+#include "common/io/byte_io.h"
+#include "common/io/checksum.h"
 #include "common/io/read_file.h"
 #include "tests/replay/test_chunks.h"
 
@@ -42,6 +44,18 @@ TEST(StateFile, ComesBackAsItWasWritten) {
   EXPECT_EQ(read->items.chunks[1].checksum, 5678u);
   EXPECT_EQ(read->items.priorities, state.items.priorities);
   EXPECT_EQ(read->items.times_sampled, state.items.times_sampled);
+}
+
+// As another program computed it from the format: old files and new ones stay the same.
+TEST(StateFile, HasTheBytesOfItsFormat) {
+  ReplayState state{.schema = 5, .up_to = {7, 70}, .limiter = {10, 20, 1.5, 2.5}, .limiter_change = {}};
+  state.sequences.Accept({3, 4, 5});
+  state.items.max_priority = 4.0;
+  state.items.newest_version = 9;
+  const std::vector<std::byte> bytes = EncodeReplayState(state);
+  ASSERT_EQ(bytes.size(), 128u);
+  EXPECT_EQ(ByteReader(std::span(bytes).last(8)).Get<uint64_t>(), 0x89264fb3092d616au);
+  EXPECT_TRUE(CheckedContent(bytes));
 }
 
 TEST(StateFile, DamageAndAbsenceAreToldApart) {
