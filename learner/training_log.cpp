@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/util/csv.h"
 
 namespace dadrl {
 namespace {
@@ -74,6 +78,13 @@ std::vector<Cell> Cells(std::span<const ScalarSpec> scalars, const Row& row) {
   return cells;
 }
 
+// 0: none, or not a number.
+double FirstCell(std::string_view row) {
+  double value = 0.0;
+  std::from_chars(row.data(), row.data() + row.size(), value);
+  return std::isfinite(value) ? value : 0.0;
+}
+
 }  // namespace
 
 TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t updates,
@@ -88,12 +99,13 @@ TrainingLog::TrainingLog(const std::filesystem::path& run_directory, uint64_t up
 }
 
 Status TrainingLog::OpenTable() {
-  if (csv_) return {};
-  std::vector<std::string> names;
-  for (const Cell& cell : Cells(scalars_, {TrainingInterval{}, LogContext{}})) names.emplace_back(cell.name);
-  return CsvLog::Open(run_directory_ / "logs" / "training.csv", names).map([this](CsvLog&& csv) {
-    wall_time_s_ = std::max(wall_time_s_, csv.last_row_start());
-    csv_.emplace(std::move(csv));
+  if (table_) return {};
+  std::vector<std::string_view> names;
+  for (const Cell& cell : Cells(scalars_, {TrainingInterval{}, LogContext{}})) names.push_back(cell.name);
+  const std::string header = fmt::format("{}", fmt::join(names, ","));
+  return RowFile::Open(run_directory_ / "logs" / "training.csv", header).map([this](RowFile&& table) {
+    wall_time_s_ = std::max(wall_time_s_, FirstCell(table.last_row()));
+    table_.emplace(std::move(table));
   });
 }
 
@@ -112,14 +124,14 @@ void TrainingLog::Add(const TrainingInterval& interval, const LogContext& measur
 
 // One that cannot be written does not keep the other from its row.
 Status TrainingLog::Write(const TrainingInterval& interval, const LogContext& context) {
-  std::vector<double> values;
+  std::vector<std::string> row;
   std::vector<TaggedScalar> tagged;
   for (const Cell& cell : Cells(scalars_, {interval, context})) {
-    values.push_back(cell.value);
+    row.push_back(CsvCell(cell.value));
     if (!cell.tag.empty()) tagged.push_back({cell.tag, cell.value});
   }
   Status table = OpenTable();
-  if (table) table = csv_->Append(values);
+  if (table) table = table_->Append(fmt::format("{}\n", fmt::join(row, ",")));
   Status events = OpenEvents();
   if (events) events = tensorboard_->Add(static_cast<int64_t>(interval.updates), context.wall_time_s, tagged);
   return table ? events : table;

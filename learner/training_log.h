@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 
+#include "common/io/row_file.h"
 #include "common/util/fault.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
-#include "learner/csv_log.h"
 #include "learner/tensorboard_writer.h"
 #include "learner/trainer.h"
 
@@ -44,7 +44,7 @@ class TrainingLog {
   const int64_t first_step_;
   const std::span<const ScalarSpec> scalars_;
   FaultBoard& faults_;
-  std::optional<CsvLog> csv_;
+  std::optional<RowFile> table_;
   std::optional<TensorBoardWriter> tensorboard_;
   double wall_time_s_ = 0.0;  // of the last row, earlier sessions' included
 };

@@ -30,7 +30,7 @@ ActorEpisodeLog ActorEpisodeLog::Open(const std::filesystem::path& path) {
 
 Status ActorEpisodeLog::OpenTable() {
   if (table_) return {};
-  return RowFile::Open(path_, kActorEpisodeColumns).map([this](RowFile&& table) {
+  return RowFile::Open(path_, ActorEpisodeColumns()).map([this](RowFile&& table) {
     table_.emplace(std::move(table));
   });
 }

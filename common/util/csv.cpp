@@ -1,5 +1,9 @@
 #include "common/util/csv.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace dadrl {
 
 std::string CsvCell(std::string_view text) {
@@ -10,6 +14,11 @@ std::string CsvCell(std::string_view text) {
     cell += c == '\r' || c == '\n' ? ' ' : c;
   }
   return cell + '"';
+}
+
+std::string CsvCell(double value) {
+  if (!std::isfinite(value)) return "";
+  return std::abs(value) < 1e6 ? fmt::format("{:.9g}", value) : fmt::format("{:.13g}", value);
 }
 
 std::vector<std::string_view> CsvCells(std::string_view row) {

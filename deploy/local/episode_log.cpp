@@ -69,7 +69,7 @@ struct EpisodeLog::NewRows {
 
   void Take(int actor, const Actor& known, std::string_view text) {
     // Of another version of the program: its actor will start a new one in its place.
-    if (known.read == 0 && !text.starts_with(kActorEpisodeColumns)) return;
+    if (known.read == 0 && !text.starts_with(ActorEpisodeColumns())) return;
     uint64_t at = known.read;
     ForEachLine(text, [&](std::string_view line, size_t bytes) {
       const auto key = ActorEpisodeKey(line);  // nothing for the header
@@ -90,7 +90,7 @@ void EpisodeLog::ForEachLog(Visit visit) const {
 }
 
 Result<EpisodeLog> EpisodeLog::Open(const std::filesystem::path& path, const std::filesystem::path& logs) {
-  DADRL_ASSIGN_OR_RETURN(RowFile table, RowFile::Open(path, kRunEpisodeColumns));
+  DADRL_ASSIGN_OR_RETURN(RowFile table, RowFile::Open(path, RunEpisodeColumns()));
   EpisodeLog log(std::move(table), logs);
   log.CountTable(path);
   log.ForEachLog([&](int actor, const std::filesystem::path& file) {

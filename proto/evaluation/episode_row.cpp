@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <span>
 #include <vector>
 
 #include "common/util/csv.h"
+#include "proto/evaluation/summary_fields.h"
 
 namespace dadrl {
 namespace {
@@ -19,8 +19,17 @@ constexpr size_t kTime = 0;
 constexpr size_t kActor = 1;  // of the run's table; the incarnation in an actor's
 constexpr size_t kEpisode = 2;
 constexpr size_t kSteps = 5;
-// Cells of an actor's row that are in the run's, in its order, behind time and actor.
-constexpr std::array<size_t, 11> kShared = {2, 3, 4, 5, 6, 7, 8, 9, 16, 17, 18};
+// Of an actor's: the first of kSummaryFields. Behind the last stand policy version and scenario.
+constexpr size_t kFields = 6;
+
+// `who`: the second column.
+std::string Columns(std::string_view who, bool of_run) {
+  std::string text = fmt::format("time_s,{},episode,seed,outcome,steps", who);
+  for (const SummaryField& field : kSummaryFields) {
+    if (!of_run || field.in_run_table) text.append(",").append(field.name);
+  }
+  return text + ",policy_version,scenario";
+}
 
 size_t CellsIn(std::string_view columns) {
   return 1 + static_cast<size_t>(std::count(columns.begin(), columns.end(), ','));
@@ -43,24 +52,32 @@ std::optional<EpisodeKey> KeyOf(std::span<const std::string_view> cells, std::st
 
 }  // namespace
 
+const std::string& ActorEpisodeColumns() {
+  static const std::string columns = Columns("incarnation", false);
+  return columns;
+}
+
+const std::string& RunEpisodeColumns() {
+  static const std::string columns = Columns("actor", true);
+  return columns;
+}
+
 std::string ActorEpisodeRow(const TrainingEpisode& episode) {
-  const EpisodeSummary& s = episode.summary;
-  return fmt::format(
-      "{:.3f},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},"
-      "{}\n",
-      1e-9 * static_cast<double>(episode.wall_time_ns), episode.incarnation, episode.episode, s.seed,
-      OutcomeName(s.outcome), s.steps, s.episode_return, s.progress, s.mean_speed_mps, s.humanness_error,
-      s.obstacle_cost, s.jerk_cost, s.lane_offset_cost, s.rule_violation, s.distance_to_destination,
-      s.time_cost, s.overall_score, episode.policy_version, CsvCell(s.scenario));
+  const EpisodeSummary& summary = episode.summary;
+  std::string row = fmt::format("{:.3f},{},{},{},{},{}", 1e-9 * static_cast<double>(episode.wall_time_ns),
+                                episode.incarnation, episode.episode, summary.seed,
+                                OutcomeName(summary.outcome), summary.steps);
+  for (const SummaryField& field : kSummaryFields) row += fmt::format(",{:.6g}", summary.*field.value);
+  return row + fmt::format(",{},{}\n", episode.policy_version, CsvCell(summary.scenario));
 }
 
 std::optional<EpisodeKey> ActorEpisodeKey(std::string_view row) {
-  return KeyOf(CsvCells(row), kActorEpisodeColumns);
+  return KeyOf(CsvCells(row), ActorEpisodeColumns());
 }
 
 std::optional<EpisodeKey> RunEpisodeKey(std::string_view row, int& actor) {
   const std::vector<std::string_view> cells = CsvCells(row);
-  const auto key = KeyOf(cells, kRunEpisodeColumns);
+  const auto key = KeyOf(cells, RunEpisodeColumns());
   if (!key || !Parse(cells[kActor], actor)) return std::nullopt;
   return key;
 }
@@ -68,7 +85,12 @@ std::optional<EpisodeKey> RunEpisodeKey(std::string_view row, int& actor) {
 std::string RunEpisodeRow(int actor, std::string_view actor_row) {
   const std::vector<std::string_view> cells = CsvCells(actor_row);
   std::string row = fmt::format("{},{}", cells[kTime], actor);
-  for (const size_t cell : kShared) row.append(",").append(cells[cell]);
+  const auto append = [&](size_t cell) { row.append(",").append(cells[cell]); };
+  for (size_t cell = kEpisode; cell < kFields; ++cell) append(cell);
+  for (size_t i = 0; i < kSummaryFields.size(); ++i) {
+    if (kSummaryFields[i].in_run_table) append(kFields + i);
+  }
+  for (size_t cell = kFields + kSummaryFields.size(); cell < cells.size(); ++cell) append(cell);
   return row + '\n';
 }
 

@@ -11,13 +11,9 @@
 
 namespace dadrl {
 
-inline constexpr std::string_view kActorEpisodeColumns =
-    "time_s,incarnation,episode,seed,outcome,steps,return,progress,mean_speed_mps,humanness_error,"
-    "obstacle_cost,jerk_cost,lane_offset_cost,rule_violation,distance_to_destination,time_cost,overall_score,"
-    "policy_version,scenario";
-inline constexpr std::string_view kRunEpisodeColumns =
-    "time_s,actor,episode,seed,outcome,steps,return,progress,mean_speed_mps,humanness_error,overall_score,"
-    "policy_version,scenario";
+// The header of either table, without its line break.
+const std::string& ActorEpisodeColumns();
+const std::string& RunEpisodeColumns();
 
 struct TrainingEpisode {
   int64_t wall_time_ns = 0;  // of its end

@@ -17,11 +17,8 @@ enum class Outcome { kSuccess, kCollision, kOffRoad, kStagnation };
 std::string_view OutcomeName(Outcome outcome);
 std::optional<Outcome> OutcomeFromName(std::string_view name);
 
-struct EpisodeSummary {
-  std::string scenario;
-  uint64_t seed = 0;
-  Outcome outcome = Outcome::kStagnation;
-  int steps = 0;                // simulation steps of 0.1 s
+// What is measured of an episode; names in JSON and CSV: summary_fields.h.
+struct EpisodeMeasures {
   double episode_return = 0.0;  // undiscounted sum of rewards
   double progress = 0.0;        // fraction of the route driven
   double mean_speed_mps = 0.0;
@@ -34,6 +31,15 @@ struct EpisodeSummary {
   double distance_to_destination = 0.0;
   double time_cost = 0.0;
   double overall_score = 0.0;
+
+  bool operator==(const EpisodeMeasures&) const = default;
+};
+
+struct EpisodeSummary : EpisodeMeasures {
+  std::string scenario;
+  uint64_t seed = 0;
+  Outcome outcome = Outcome::kStagnation;
+  int steps = 0;                              // simulation steps of 0.1 s
   std::optional<CollisionSummary> collision;  // of an episode that ended in one
 
   bool operator==(const EpisodeSummary&) const = default;

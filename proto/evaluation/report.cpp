@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "proto/evaluation/summary_fields.h"
 #include "proto/evaluation/wilson.h"
 
 namespace dadrl {
@@ -24,25 +25,15 @@ EvaluationFigures FiguresOf(const std::vector<const EpisodeSummary*>& episodes) 
     rate = count / n;
     interval = WilsonInterval(count, figures.episodes);
   };
-  const auto mean = [&](double EpisodeSummary::*field) {
-    double sum = 0.0;
-    for (const EpisodeSummary* episode : episodes) sum += episode->*field;
-    return sum / n;
-  };
   measure(Outcome::kSuccess, figures.success, figures.success_ci95);
   measure(Outcome::kCollision, figures.collision, figures.collision_ci95);
   measure(Outcome::kOffRoad, figures.off_road, figures.off_road_ci95);
   measure(Outcome::kStagnation, figures.stagnation, figures.stagnation_ci95);
-  figures.mean_return = mean(&EpisodeSummary::episode_return);
-  figures.mean_speed_mps = mean(&EpisodeSummary::mean_speed_mps);
-  figures.humanness_error = mean(&EpisodeSummary::humanness_error);
-  figures.obstacle_cost = mean(&EpisodeSummary::obstacle_cost);
-  figures.jerk_cost = mean(&EpisodeSummary::jerk_cost);
-  figures.lane_offset_cost = mean(&EpisodeSummary::lane_offset_cost);
-  figures.rule_violation = mean(&EpisodeSummary::rule_violation);
-  figures.distance_to_destination = mean(&EpisodeSummary::distance_to_destination);
-  figures.time_cost = mean(&EpisodeSummary::time_cost);
-  figures.overall_score = mean(&EpisodeSummary::overall_score);
+  for (const SummaryField& field : kSummaryFields) {
+    double sum = 0.0;
+    for (const EpisodeSummary* episode : episodes) sum += episode->*field.value;
+    figures.mean.*field.value = sum / n;
+  }
   std::vector<double> steps;
   for (const EpisodeSummary* episode : episodes) steps.push_back(episode->steps);
   figures.median_steps = Median(std::move(steps));

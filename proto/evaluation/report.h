@@ -11,24 +11,15 @@
 
 namespace dadrl {
 
-// Means over a set of driven episodes; rates are fractions of 1.
+// Of a set of driven episodes; rates are fractions of 1.
 struct EvaluationFigures {
   int episodes = 0;
   double success = 0.0;
   double collision = 0.0;
   double off_road = 0.0;
   double stagnation = 0.0;
-  double mean_return = 0.0;
   double median_steps = 0.0;  // of all episodes
-  double mean_speed_mps = 0.0;
-  double humanness_error = 0.0;
-  double obstacle_cost = 0.0;
-  double jerk_cost = 0.0;
-  double lane_offset_cost = 0.0;
-  double rule_violation = 0.0;
-  double distance_to_destination = 0.0;
-  double time_cost = 0.0;
-  double overall_score = 0.0;
+  EpisodeMeasures mean;
   // Wilson, 95 %, of the rates.
   std::pair<double, double> success_ci95{0, 1}, collision_ci95{0, 1}, off_road_ci95{0, 1},
       stagnation_ci95{0, 1};

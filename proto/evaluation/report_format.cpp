@@ -4,6 +4,7 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "common/util/csv.h"
 #include "proto/evaluation/report.h"
@@ -24,17 +25,12 @@ void AddFigures(const EvaluationFigures& figures, Json& json) {
   json["collision"] = figures.collision;
   json["off_road"] = figures.off_road;
   json["stagnation"] = figures.stagnation;
-  json["mean_return"] = figures.mean_return;
+  json["mean_return"] = figures.mean.episode_return;
   json["median_steps"] = figures.median_steps;
-  json["mean_speed_mps"] = figures.mean_speed_mps;
-  json["humanness_error"] = figures.humanness_error;
-  json["obstacle_cost"] = figures.obstacle_cost;
-  json["jerk_cost"] = figures.jerk_cost;
-  json["lane_offset_cost"] = figures.lane_offset_cost;
-  json["rule_violation"] = figures.rule_violation;
-  json["distance_to_destination"] = figures.distance_to_destination;
-  json["time_cost"] = figures.time_cost;
-  json["overall_score"] = figures.overall_score;
+  // Behind the return and the progress, which is no figure.
+  for (const SummaryField& field : std::span(kSummaryFields).subspan(2)) {
+    json[field.name] = figures.mean.*field.value;
+  }
   json["success_ci95"] = IntervalJson(figures.success_ci95);
   json["collision_ci95"] = IntervalJson(figures.collision_ci95);
   json["off_road_ci95"] = IntervalJson(figures.off_road_ci95);
@@ -50,11 +46,11 @@ std::string PercentRange(std::pair<double, double> range) {
 constexpr std::string_view kRow = "{:<14} {:>11} {:>11} {:>11} {:>11} {:>8} {:>7} {:>10} {:>8}\n";
 
 std::string FiguresRow(const std::string& name, const EvaluationFigures& figures) {
-  return fmt::format(kRow, name, Percent(figures.success), Percent(figures.collision),
-                     Percent(figures.off_road), Percent(figures.stagnation),
-                     fmt::format("{:.2f}", figures.mean_return), fmt::format("{:.0f}", figures.median_steps),
-                     fmt::format("{:.3f}", figures.humanness_error),
-                     fmt::format("{:.3f}", figures.overall_score));
+  return fmt::format(
+      kRow, name, Percent(figures.success), Percent(figures.collision), Percent(figures.off_road),
+      Percent(figures.stagnation), fmt::format("{:.2f}", figures.mean.episode_return),
+      fmt::format("{:.0f}", figures.median_steps), fmt::format("{:.3f}", figures.mean.humanness_error),
+      fmt::format("{:.3f}", figures.mean.overall_score));
 }
 
 // "collisions: 3 crossing, 1 ran_into", the most frequent first; empty without collisions.

@@ -179,35 +179,6 @@ TEST(TensorBoardWriter, IsReadAfterTheFilesThatAreThereWhateverTheClockSays) {
   EXPECT_LT(writer->path(), next->path());
 }
 
-TEST(CsvLog, ContinuesATableAndCutsHalfARow) {
-  TemporaryFolder folder;
-  const auto path = folder.path() / "logs" / "table.csv";
-  ASSERT_TRUE(CsvLog::Open(path, {"a", "b"})->Append(std::vector{1.0, 2.5}));
-  std::ofstream(path, std::ios::app) << "3,";  // killed here
-  ASSERT_TRUE(
-      CsvLog::Open(path, {"a", "b"})->Append(std::vector{4.0, std::numeric_limits<double>::quiet_NaN()}));
-  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b\n1,2.5\n4,\n");
-}
-
-TEST(CsvLog, KeepsTheMillisecondsOfATimeStamp) {
-  TemporaryFolder folder;
-  const auto path = folder.path() / "table.csv";
-  auto log = CsvLog::Open(path, {"a", "b", "c"});
-  EXPECT_EQ(log->last_row_start(), 0.0);
-  ASSERT_TRUE(log->Append(std::vector{1795812345.123, 12345678.0, 1.0 / 3.0}));
-  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b,c\n1795812345.123,12345678,0.333333333\n");
-  EXPECT_EQ(CsvLog::Open(path, {"a", "b", "c"})->last_row_start(), 1795812345.123);
-}
-
-TEST(CsvLog, KeepsATableWithOtherColumnsUnderAnotherName) {
-  TemporaryFolder folder;
-  const auto path = folder.path() / "table.csv";
-  ASSERT_TRUE(CsvLog::Open(path, {"a"})->Append(std::vector{1.0}));
-  ASSERT_TRUE(CsvLog::Open(path, {"a", "b"}));
-  EXPECT_EQ(ReadTextFile(path, kNoLimit).value(), "a,b\n");
-  EXPECT_EQ(ReadTextFile(folder.path() / "table.csv.old", kNoLimit).value(), "a\n1\n");
-}
-
 FaultBoard& Faults() {
   static const SystemClock clock;
   static FaultBoard board(clock);

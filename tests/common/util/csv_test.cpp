@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 namespace dadrl {
 namespace {
 
@@ -12,6 +14,18 @@ TEST(Csv, QuotesACellWhereItHasTo) {
   EXPECT_EQ(CsvCell("a,b"), "\"a,b\"");
   EXPECT_EQ(CsvCell("say \"a\""), "\"say \"\"a\"\"\"");
   EXPECT_EQ(CsvCell("two\r\nlines"), "\"two  lines\"");
+}
+
+TEST(Csv, KeepsTheMillisecondsOfATimeStamp) {
+  EXPECT_EQ(CsvCell(2.5), "2.5");
+  EXPECT_EQ(CsvCell(1.0 / 3.0), "0.333333333");
+  EXPECT_EQ(CsvCell(1795812345.123), "1795812345.123");
+  EXPECT_EQ(CsvCell(-12345678.0), "-12345678");
+}
+
+TEST(Csv, LeavesTheCellOfANumberThatIsNoneEmpty) {
+  EXPECT_EQ(CsvCell(std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_EQ(CsvCell(std::numeric_limits<double>::infinity()), "");
 }
 
 TEST(Csv, SplitsARowOutsideOfQuotes) {

@@ -24,7 +24,7 @@ class EpisodeLogTest : public testing::Test {
   // As the actor does it.
   void Drive(int actor, uint64_t episode, double time_s, const std::string& scenario = "left_turn") const {
     std::ofstream log(LogOf(actor), std::ios::app);
-    if (log.tellp() == 0) log << kActorEpisodeColumns << '\n';
+    if (log.tellp() == 0) log << ActorEpisodeColumns() << '\n';
     TrainingEpisode driven{.wall_time_ns = std::llround(1e9 * time_s), .incarnation = 9, .episode = episode};
     driven.summary = {.scenario = scenario, .outcome = Outcome::kCollision, .steps = 40};
     driven.summary.episode_return = -0.5;
@@ -55,7 +55,7 @@ TEST_F(EpisodeLogTest, HasEachEpisodeOfEachActorOnceInTheOrderOfTheirTimes) {
   ASSERT_TRUE(log.Update());
   ASSERT_TRUE(log.Update());
   Drive(12, 2, 3.5);
-  std::ofstream(logs_ / "episodes-actor-x.csv") << kActorEpisodeColumns << "\nnot an actor's\n";
+  std::ofstream(logs_ / "episodes-actor-x.csv") << ActorEpisodeColumns() << "\nnot an actor's\n";
   ASSERT_TRUE(log.Update());
   EXPECT_EQ(FileText(table_), kHeader + Row(0, 1, 2.0) + Row(12, 1, 3.0) + Row(0, 2, 4.0) + Row(12, 2, 3.5));
   EXPECT_EQ(log.episodes(), 4u);

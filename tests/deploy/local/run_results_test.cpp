@@ -36,7 +36,7 @@ TEST(RunResults, AccumulateOverSessions) {
   const auto drive = [&](int steps) {
     std::filesystem::create_directories(folder.path() / "logs");
     std::ofstream log(folder.path() / "logs" / "episodes-actor-0.csv", std::ios::app);
-    if (log.tellp() == 0) log << kActorEpisodeColumns << '\n';
+    if (log.tellp() == 0) log << ActorEpisodeColumns() << '\n';
     TrainingEpisode episode;
     episode.summary.steps = steps;
     log << ActorEpisodeRow(episode) << std::flush;

@@ -46,15 +46,15 @@ TEST(EvaluationReport, RatesMeansAndGroupsAreThoseOfTheEpisodes) {
   EXPECT_DOUBLE_EQ(report.all.collision, 0.25);
   EXPECT_DOUBLE_EQ(report.all.off_road, 0.0);
   EXPECT_DOUBLE_EQ(report.all.stagnation, 0.25);
-  EXPECT_DOUBLE_EQ(report.all.mean_return, 2.5);
+  EXPECT_DOUBLE_EQ(report.all.mean.episode_return, 2.5);
   EXPECT_DOUBLE_EQ(report.all.median_steps, 150);
-  EXPECT_DOUBLE_EQ(report.all.humanness_error, 0.25);
+  EXPECT_DOUBLE_EQ(report.all.mean.humanness_error, 0.25);
   EXPECT_EQ(report.all.success_ci95, WilsonInterval(2, 4));
   ASSERT_EQ(report.per_seed.size(), 2U);
   EXPECT_EQ(report.per_seed[1].first_seed, 1'001'000U);
   EXPECT_EQ(report.per_seed[1].figures.episodes, 2);
   EXPECT_DOUBLE_EQ(report.per_seed[1].figures.success, 0.5);
-  EXPECT_DOUBLE_EQ(report.per_seed[0].figures.mean_return, 2.25);
+  EXPECT_DOUBLE_EQ(report.per_seed[0].figures.mean.episode_return, 2.25);
 }
 
 TEST(EvaluationReport, DoesNotDependOnTheOrderEpisodesFinishIn) {
