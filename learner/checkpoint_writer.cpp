@@ -32,9 +32,9 @@ Status CheckpointWriter::Finish() {
   return last_;
 }
 
-CheckpointWriter::Progress CheckpointWriter::progress() const {
+std::optional<TimePoint> CheckpointWriter::saved_at() const {
   MutexLock lock(mutex_);
-  return progress_;
+  return saved_at_;
 }
 
 void CheckpointWriter::SaveSubmitted() {
@@ -49,13 +49,7 @@ void CheckpointWriter::SaveSubmitted() {
   }
   ProcessFaults().Report(FaultKind::kCheckpoint, saved);
   MutexLock lock(mutex_);
-  if (saved) {
-    ++progress_.saved;
-    progress_.saved_at = clock_.Now();
-    progress_.saved_updates = snapshot_.updates;
-  } else {
-    ++progress_.failed;
-  }
+  if (saved) saved_at_ = clock_.Now();
   last_ = std::move(saved);
   submitted_ = false;
   changed_.NotifyAll();

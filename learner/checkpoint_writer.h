@@ -1,7 +1,6 @@
 // Writes checkpoints in the background: the training thread pays for a copy in memory, never for the disk.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "common/util/background_thread.h"
@@ -28,13 +27,8 @@ class CheckpointWriter {
   // Waits until nothing is under way; the outcome of the last save.
   Status Finish() DADRL_EXCLUDES(mutex_);
 
-  struct Progress {
-    uint64_t saved = 0;                 // checkpoints
-    uint64_t failed = 0;                // attempts
-    std::optional<TimePoint> saved_at;  // when the newest was complete
-    uint64_t saved_updates = 0;         // of the newest
-  };
-  Progress progress() const DADRL_EXCLUDES(mutex_);
+  // When the newest of this process was complete; nothing before the first.
+  std::optional<TimePoint> saved_at() const DADRL_EXCLUDES(mutex_);
 
  private:
   void SaveSubmitted() DADRL_EXCLUDES(mutex_);
@@ -46,7 +40,7 @@ class CheckpointWriter {
   CondVar changed_;
   bool submitted_ DADRL_GUARDED_BY(mutex_) = false;
   Status last_ DADRL_GUARDED_BY(mutex_);
-  Progress progress_ DADRL_GUARDED_BY(mutex_);
+  std::optional<TimePoint> saved_at_ DADRL_GUARDED_BY(mutex_);
   BackgroundThread thread_;
 };
 

@@ -62,7 +62,7 @@ void Reporter::Report() {
 }
 
 ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched) const {
-  const CheckpointWriter::Progress saved = parts_.checkpoints.progress();
+  const std::optional<TimePoint> saved_at = parts_.checkpoints.saved_at();
   ProcessStatus status = envelope_.Begin();
   status[Metric::kUpdates] = static_cast<double>(interval.updates);
   status[Metric::kWeightsVersion] = interval.weights_version;
@@ -72,8 +72,7 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
   status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;
   status[Metric::kStalenessSecondsMax] = interval.staleness.seconds_max;
-  status[Metric::kCheckpointAgeS] =
-      saved.saved_at ? ToSeconds(parts_.clock.Now() - *saved.saved_at) : status.uptime_s;
+  status[Metric::kCheckpointAgeS] = saved_at ? ToSeconds(parts_.clock.Now() - *saved_at) : status.uptime_s;
   status.scalars = NamedScalars(parts_.trainer.scalar_specs(), interval);
   return status;
 }

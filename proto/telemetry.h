@@ -95,25 +95,14 @@ struct ProcessStatus {
   double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
 };
 
-// One finished episode. `outcome` is the integer of actor's Outcome: success, collision, off_road,
-// stagnation.
+// One finished episode, for the rates of those just driven; all of it is in the actor's own table
+// (evaluation/episode_row.h). `outcome` is the integer of an Outcome.
 struct EpisodeReport {
   static constexpr size_t kMaxScenarioName = 31;
 
-  int actor = 0;
-  uint64_t incarnation = 0;
-  uint64_t episode = 0;
-  uint64_t seed = 0;
   int outcome = 0;
-  int steps = 0;
   double episode_return = 0.0;
-  double progress = 0.0;
-  double mean_speed_mps = 0.0;
-  double humanness_error = 0.0;
-  double overall_score = 0.0;
   std::string scenario;  // cut to kMaxScenarioName bytes of UTF-8
-  uint32_t policy_version = 0;
-  int64_t sent_ns = 0;
 };
 
 // Host-local (ttl 0) multicast on a port of the cluster's own block, so that clusters on one host do not mix.

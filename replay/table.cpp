@@ -119,11 +119,8 @@ ReplayTable::Insertion ReplayTable::Decline(SequenceTable::Verdict verdict, cons
       ++counters_.duplicate_chunks;
       return Insertion::kDuplicate;
     }
-    case SequenceTable::Verdict::kGap: {
-      MutexLock lock(mutex_);
-      ++counters_.early_chunks;
+    case SequenceTable::Verdict::kGap:
       return Insertion::kEarly;
-    }
     case SequenceTable::Verdict::kImpossible:
       return Refuse(
           ChunkFault::kContents,

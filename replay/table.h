@@ -79,7 +79,6 @@ class ReplayTable {
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
     uint64_t duplicate_chunks = 0;
     std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
-    uint64_t early_chunks = 0;    // dropped because one before them is still to come
     uint64_t damaged_frames = 0;  // stored once, and unreadable since
     uint64_t lost_chunks = 0;     // skipped: their actors no longer have them
     uint64_t refused_priorities = 0;

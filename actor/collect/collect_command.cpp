@@ -32,25 +32,6 @@ constexpr Duration kReplayPoll = std::chrono::milliseconds(20);
 // A replay that is just starting is not worth a word.
 constexpr Duration kQuietWait = std::chrono::seconds(1);
 
-EpisodeReport ReportOf(const CollectedEpisode& episode, int actor, uint64_t incarnation) {
-  EpisodeReport report;
-  report.actor = actor;
-  report.incarnation = incarnation;
-  report.episode = episode.episode;
-  report.seed = episode.summary.seed;
-  report.scenario = episode.summary.scenario;
-  report.outcome = static_cast<int>(episode.summary.outcome);
-  report.steps = episode.summary.steps;
-  report.episode_return = episode.summary.episode_return;
-  report.progress = episode.summary.progress;
-  report.mean_speed_mps = episode.summary.mean_speed_mps;
-  report.humanness_error = episode.summary.humanness_error;
-  report.overall_score = episode.summary.overall_score;
-  report.policy_version = episode.policy_version;
-  report.sent_ns = WallTimeNs();
-  return report;
-}
-
 // The parts of one actor, in the order they need each other.
 class Actor {
  public:
@@ -188,10 +169,11 @@ void Actor::WaitForReplay() {
 }
 
 void Actor::Record(const CollectedEpisode& episode) {
-  const EpisodeReport report = ReportOf(episode, number(), identity_.incarnation);
-  publisher_->Publish(report);
-  ProcessFaults().Report(FaultKind::kEpisodeLog,
-                         log_->Append(identity_.incarnation, report.sent_ns, episode));
+  const EpisodeSummary& summary = episode.summary;
+  publisher_->Publish(EpisodeReport{.outcome = static_cast<int>(summary.outcome),
+                                    .episode_return = summary.episode_return,
+                                    .scenario = summary.scenario});
+  ProcessFaults().Report(FaultKind::kEpisodeLog, log_->Append(identity_.incarnation, WallTimeNs(), episode));
 }
 
 // With a policy in use, a stranger's broadcast is only counted; without one, it means that this actor was

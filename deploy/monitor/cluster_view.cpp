@@ -229,7 +229,6 @@ void ClusterView::Accumulate(const ProcessRow& row, const Process& process, Time
     case dds::Role::kActor:
       summary.actors_alive += row.stale ? 0 : 1;
       summary.env_steps_per_s += rate(Metric::kEnvSteps);
-      summary.decisions_per_s += rate(Metric::kDecisions);
       break;
     case dds::Role::kReplay:
       summary.inserted_frames_per_s += rate(Metric::kInsertedFrames);

@@ -69,7 +69,6 @@ struct ClusterSummary {
   std::vector<ProcessRow> processes;  // learner, replays, actors; each by index
   int actors_alive = 0;
   double env_steps_per_s = 0.0;
-  double decisions_per_s = 0.0;
   double inserted_frames_per_s = 0.0;
   double sampled_transitions_per_s = 0.0;
   double inserted_mb_per_s = 0.0;  // 1e6 bytes

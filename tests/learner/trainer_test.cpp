@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include "common/model/policy_file.h"
 #include "tests/common/io/temporary_folder.h"
@@ -135,13 +137,17 @@ TEST_F(TrainerTest, PolicyThatIsNotFiniteIsNeitherPublishedNorSaved) {
 TEST_F(TrainerTest, CheckpointsEachIntervalWithoutStoppingTheTraining) {
   config_.learner.checkpoint_interval_s = 30.0;
   TestLearner run(config_, folder_.path(), false);
+  const TimePoint began = run.clock.Now();
+  std::set<std::optional<TimePoint>> saved_at;
   for (int i = 0; i < 7; ++i) {
     run.Steps(1);
     ASSERT_TRUE(run.checkpoints->Finish());  // the clock of the test may not move under the writer
+    saved_at.insert(run.checkpoints->saved_at());
     run.clock.Advance(10s);
   }
-  EXPECT_EQ(run.checkpoints->progress().saved, 2u);
-  EXPECT_EQ(run.checkpoints->progress().saved_updates, 7u);
+  EXPECT_THAT(saved_at, testing::ElementsAre(std::nullopt, began + 30s, began + 60s));
+  auto store = CheckpointStore::Open(folder_.path(), {.checkpoints = 3, .policies = 3});
+  EXPECT_EQ(store->LoadNewest()->value().checkpoint.updates, 7u);
 }
 
 TEST_F(TrainerTest, StopsAtMaxUpdatesWithACheckpointAndStaysThereWhenResumed) {

@@ -34,20 +34,9 @@ ProcessStatus SomeStatus() {
 
 EpisodeReport SomeReport() {
   EpisodeReport report;
-  report.actor = 2;
-  report.incarnation = 0xfedcba9876543210;
-  report.episode = 77;
-  report.seed = 999999;
   report.scenario = "left_turn";
   report.outcome = 2;
-  report.steps = 800;
   report.episode_return = -1.25;
-  report.progress = 0.5;
-  report.mean_speed_mps = 7.0;
-  report.humanness_error = 0.125;
-  report.overall_score = 0.25;
-  report.policy_version = 4000000000;
-  report.sent_ns = 5;
   return report;
 }
 
@@ -74,14 +63,10 @@ TEST(MetricName, IsDifferentForEveryMetric) {
 
 TEST(TelemetryPacket, KeepsEveryField) {
   ExpectEqual(DecodeStatusPacket(EncodePacket(SomeStatus())).value(), SomeStatus());
-  const EpisodeReport a = SomeReport();
-  const EpisodeReport b = DecodeEpisodePacket(EncodePacket(a)).value();
-  EXPECT_EQ(
-      std::tie(a.actor, a.incarnation, a.episode, a.seed, a.outcome, a.steps, a.episode_return, a.progress),
-      std::tie(b.actor, b.incarnation, b.episode, b.seed, b.outcome, b.steps, b.episode_return, b.progress));
-  EXPECT_EQ(std::tie(a.mean_speed_mps, a.humanness_error, a.overall_score, a.policy_version, a.sent_ns),
-            std::tie(b.mean_speed_mps, b.humanness_error, b.overall_score, b.policy_version, b.sent_ns));
-  EXPECT_EQ(b.scenario, "left_turn");
+  const EpisodeReport report = DecodeEpisodePacket(EncodePacket(SomeReport())).value();
+  EXPECT_EQ(report.outcome, 2);
+  EXPECT_EQ(report.episode_return, -1.25);
+  EXPECT_EQ(report.scenario, "left_turn");
 }
 
 TEST(TelemetryPacket, FitsTheRelaysMessage) {
@@ -174,18 +159,11 @@ TEST(TelemetryPacket, RefusesValuesThatCannotBe) {
   EpisodeReport report = SomeReport();
   report.outcome = 4;
   EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report)));
-  for (double EpisodeReport::*field :
-       {&EpisodeReport::episode_return, &EpisodeReport::progress, &EpisodeReport::mean_speed_mps,
-        &EpisodeReport::humanness_error, &EpisodeReport::overall_score}) {
-    for (const double value : {kNaN, std::numeric_limits<double>::infinity(), 1e10, -1e10}) {
-      report = SomeReport();
-      report.*field = value;
-      EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report))) << value;
-    }
+  for (const double value : {kNaN, std::numeric_limits<double>::infinity(), 1e10, -1e10}) {
+    report = SomeReport();
+    report.episode_return = value;
+    EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report))) << value;
   }
-  report = SomeReport();
-  report.steps = 1'000'000;
-  EXPECT_FALSE(DecodeEpisodePacket(EncodePacket(report)));
 }
 
 TEST(TelemetryPacket, LeavesOutScalarsThatNoReaderWouldTake) {
@@ -283,7 +261,7 @@ TEST_F(TelemetryBusTest, CarriesStatusAndEpisodes) {
   publisher.Publish(SomeReport());
   ASSERT_TRUE(PollUntil([&] { return !statuses_.empty() && !reports_.empty(); }));
   ExpectEqual(statuses_[0], SomeStatus());
-  EXPECT_EQ(reports_[0].seed, SomeReport().seed);
+  EXPECT_EQ(reports_[0].scenario, SomeReport().scenario);
   EXPECT_TRUE(subscriber_->refusals().empty());
 }
 

@@ -42,7 +42,6 @@ TEST(ReplayTable, StoresEachChunkOnceAndSamplesIt) {
   EXPECT_EQ(stats.inserted_frames, 30u);
   EXPECT_EQ(stats.items, 30u);
   EXPECT_EQ(stats.duplicate_chunks, 1u);
-  EXPECT_EQ(stats.early_chunks, 1u);
   EXPECT_EQ(stats.lost_chunks, 0u);
   EXPECT_EQ(table->Stored(1, 1), 3u);
   const auto batch = table->Sample({64, 1}, 0);

@@ -56,11 +56,8 @@ ProcessStatus Learner() {
 
 EpisodeReport Collision() {
   EpisodeReport report;
-  report.actor = 7;
   report.outcome = 1;
-  report.steps = 800;
   report.episode_return = -1.25;
-  report.overall_score = 0.5;
   report.scenario = "left_turn";
   return report;
 }

@@ -100,11 +100,15 @@ TEST(EvaluationReport, SeveralScenariosHaveARowEach) {
 }
 
 TEST(EvaluationReport, JsonHasTheKeysThatScriptsRelyOn) {
-  const auto json = nlohmann::json::parse(ReportJson(MakeReport("left_turn", "rdm", Sample())));
-  for (const char* key : {"scenario", "policy", "episodes", "success", "collision", "off_road", "stagnation",
-                          "success_ci95", "humanness_error", "overall_score", "mean_return", "per_seed"}) {
-    EXPECT_TRUE(json.contains(key)) << key;
-  }
+  const auto json = nlohmann::ordered_json::parse(ReportJson(MakeReport("left_turn", "rdm", Sample())));
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  EXPECT_THAT(keys, testing::ElementsAre("scenario", "policy", "episodes", "success", "collision", "off_road",
+                                         "stagnation", "mean_return", "median_steps", "mean_speed_mps",
+                                         "humanness_error", "obstacle_cost", "jerk_cost", "lane_offset_cost",
+                                         "rule_violation", "distance_to_destination", "time_cost",
+                                         "overall_score", "success_ci95", "collision_ci95", "off_road_ci95",
+                                         "stagnation_ci95", "collision_kinds", "lost_episodes", "per_seed"));
   EXPECT_EQ(json["scenario"], "left_turn");
   EXPECT_EQ(json["episodes"], 4);
   EXPECT_EQ(json["success_ci95"].size(), 2U);
