@@ -23,9 +23,10 @@ if(CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER ${CACHED_COMPILER})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CACHED_COMPILER})
 endif()
-find_program(MOLD mold)
-if(MOLD AND NOT DADRL_SANITIZE)
-  add_link_options(-fuse-ld=mold)
+# Not mold: that of Debian 12 writes programs that the loader refuses, depending on the length of a path.
+find_program(LLD ld.lld)
+if(LLD AND NOT DADRL_SANITIZE)
+  add_link_options(-fuse-ld=lld)
 endif()
 
 set(DADRL_SANITIZE "" CACHE STRING "comma separated sanitizers, e.g. address,undefined")
