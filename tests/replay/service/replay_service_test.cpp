@@ -204,7 +204,7 @@ TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
   ProcessStatus status;
   status.index = 77;
   EpisodeReport report;
-  report.actor = 78;
+  report.scenario = "seventy_eight";
   // Lossy: again, until it was heard.
   const auto hears = [&](TelemetrySubscriber& subscriber) {
     bool status_heard = false;
@@ -217,7 +217,7 @@ TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
       subscriber.Poll(
           std::chrono::milliseconds(50),
           [&](const ProcessStatus& heard) { status_heard |= heard.index == status.index; },
-          [&](const EpisodeReport& heard) { report_heard |= heard.actor == report.actor; });
+          [&](const EpisodeReport& heard) { report_heard |= heard.scenario == report.scenario; });
       return status_heard && report_heard;
     });
   };
