@@ -33,7 +33,7 @@ TEST(AlgorithmScalars, ReachTableTelemetryPanelAndJsonUnderTheirOwnNames) {
     // Reports once, at its end.
     const Reporter reporter(
         {.enabled = true, .interval_s = 3600.0},
-        {*learner.trainer, *learner.checkpoints, telemetry, log, [] { return FetchStats{}; }}, 1);
+        {*learner.trainer, *learner.checkpoints, telemetry, log, [] { return FetchStats{}; }, clock}, 1);
     learner.Steps(4);
   }
   const std::string table = ReadTextFile(folder.path() / "logs" / "training.csv", 1 << 20).value();
