@@ -14,6 +14,9 @@ namespace {
 // A time; beyond what the wire can mean, so that nothing overflows.
 constexpr uint64_t kMaxIncarnation = uint64_t{1} << 63;
 
+// Far below the term of a lease, far above the turn of a loop that gets its core.
+constexpr Duration kDeafAfter = std::chrono::seconds(1);
+
 // Who is turned away asks again for a while.
 constexpr Duration kLogInterval = std::chrono::seconds(5);
 
@@ -52,6 +55,9 @@ LeaseOffice::LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters 
       clock_(clock) {}
 
 void LeaseOffice::Serve() {
+  const TimePoint now = clock_.Now();
+  if (served_at_ && now - *served_at_ > kDeafAfter) deaf_ += now - *served_at_;
+  served_at_ = now;
   requests_->Take(256, [this](const dadrl_idl_LeaseRequest& message) { OnRequest(message); });
 }
 
@@ -97,7 +103,8 @@ LeaseTable::Answer LeaseOffice::Decide(const dadrl_idl_LeaseRequest& message) {
   if (message.number >= 0) {
     request.number = static_cast<uint32_t>(std::min<int64_t>(message.number, LeaseTable::kMaxNumber + 1));
   }
-  return table_.Ask(request, clock_.Now(), std::max(least_incarnation_, static_cast<uint64_t>(WallTimeNs())));
+  return table_.Ask(request, clock_.Now() - deaf_,
+                    std::max(least_incarnation_, static_cast<uint64_t>(WallTimeNs())));
 }
 
 void LeaseOffice::Log(const dadrl_idl_LeaseRequest& message, const LeaseTable::Answer& answer) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "common/config/config.h"
 #include "common/port/port.h"
@@ -16,6 +17,8 @@ namespace dadrl {
 
 // Not thread safe; never blocks. Who asks for a number is answered; who shows the one it has, only when that
 // is another's. A program of another version, or with other columns, is refused with both sides named.
+// Time in which Serve was not called (the process was stopped, or got no core) ends no lease: nobody was
+// heard.
 class LeaseOffice {
  public:
   // `least_incarnation`: above that of every chunk that is stored. Borrows `clock`.
@@ -42,6 +45,8 @@ class LeaseOffice {
   const uint64_t schema_;
   const uint64_t least_incarnation_;
   const Clock& clock_;
+  std::optional<TimePoint> served_at_;
+  Duration deaf_{};  // together
   TimePoint next_log_{};
 };
 

@@ -41,7 +41,7 @@ TEST_F(Join, OneActorHasANumberTheOtherIsToldAndBothEndWithTheRun) {
   ASSERT_TRUE(before) << cluster.Said() << FileText(LogOf("first"));
 
   const CommandOutput second = RunCommand(Command("second"));
-  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_EQ(second.exit_code, 1) << FileText(folder_.path() / "second" / "logs" / "actor-7.log");
   EXPECT_THAT(second.err, HasSubstr("actor number 7 is held by "));
   EXPECT_THAT(second.err, HasSubstr("not started again: another process has its place in the run"));
   const CommandOutput reserved = RunCommand(Command("third", "0"));
