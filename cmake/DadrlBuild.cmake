@@ -18,8 +18,10 @@ endif()
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # What ccache wants before it caches a compilation that uses a precompiled header. No code uses __TIME__.
-  set(CACHED_COMPILER env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  # What ccache wants before it caches a compilation that uses a precompiled header (no code uses __TIME__), and
+  # paths that begin here, so that another clone finds what this one compiled.
+  set(CACHED_COMPILER env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_BASEDIR=${CMAKE_SOURCE_DIR}
+                          CCACHE_NOHASHDIR=1 ${CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CACHED_COMPILER})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CACHED_COMPILER})
 endif()

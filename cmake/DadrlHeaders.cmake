@@ -2,8 +2,8 @@
 # and dadrl_test use them. A source includes what it needs all the same: g++ builds without them.
 #
 # Not by target_precompile_headers: its result holds the path of the build folder, so that two folders share nothing in
-# ccache. Compiled in / from /dev/null to standard output, the same headers and flags give the same bytes in every folder,
-# and a main file that ccache's preprocessing finds too (it does not find standard input, and then caches nothing).
+# ccache. Compiled in / to standard output, the same headers and flags give the same bytes in every folder. The main file
+# is one of the system's that is as good as empty: ccache wants to find it again, and to see a regular file.
 set(DADRL_PRECOMPILED_FOLDER ${CMAKE_BINARY_DIR}/precompiled)
 
 # Target NAME: DADRL_PRECOMPILED_FOLDER/NAME.pch of HEADERS, which belong to LIBRARIES.
@@ -24,7 +24,7 @@ function(dadrl_precompile NAME)
     COMMAND ${CMAKE_COMMAND} -E make_directory ${DADRL_PRECOMPILED_FOLDER}
     COMMAND ${CMAKE_CXX_COMPILER} ${FLAGS} ${OPTIONS} "-D$<JOIN:${DEFINITIONS},;-D>" ${ARG_HEADERS}
             -fpch-instantiate-templates -Xclang -fno-pch-timestamp -MD -MF ${PCH}.d -MT ${PCH}
-            -x c++-header -o - /dev/null > ${PCH}
+            -x c++-header -o - /usr/include/errno.h > ${PCH}
     WORKING_DIRECTORY / DEPFILE ${PCH}.d COMMAND_EXPAND_LISTS VERBATIM
     COMMENT "Precompiling ${NAME}")
   add_custom_target(${NAME} DEPENDS ${PCH})
