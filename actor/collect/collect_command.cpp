@@ -216,7 +216,11 @@ std::string Actor::WaitingForNumber() const {
 }
 
 std::string Actor::WaitingFor() const {
-  if (writer_->statistics().replay_present) return {};
+  if (writer_->statistics().replay_present) {
+    const bool waits =
+        !driver_ && options_.config.actor.wait_for_policy && collector_->progress().policy_version == 0;
+    return waits ? "the learner's first policy" : std::string();
+  }
   const ClusterConfig& cluster = options_.config.cluster;
   const int shard = number() % options_.config.replay.shards;
   return fmt::format("the replay at {}:{}", cluster.host,

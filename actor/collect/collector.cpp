@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kSimulationStepS = 0.1;
 constexpr Duration kRoomPoll = std::chrono::milliseconds(2);
+constexpr Duration kPolicyPoll = std::chrono::milliseconds(10);
+constexpr int kPolicyPolls = 100;  // until the caller may look at what is wrong
 constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
 constexpr Duration kLongestBackOff = std::chrono::seconds(4);
 
@@ -29,6 +31,7 @@ Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, u
       episode_(last_episode) {}
 
 Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
+  if (!WaitForPolicy()) return std::nullopt;
   seed_ = TrainingSeed(config_.seed, actor_, incarnation_, ++episode_);
   DADRL_ASSIGN_OR_RETURN(const bool ready, Reset());
   if (!ready) return std::nullopt;
@@ -106,6 +109,19 @@ Result<std::optional<CollectedEpisode>> Collector::Lose(const Error& error) {
   spdlog::warn("episode {} (traffic seed {}) is lost: {}", episode_, seed_, error.message);
   parts_.clock.SleepFor(std::min(kLongestBackOff, kFirstBackOff * (1 << std::min(failures_ - 1, 5))));
   return std::nullopt;
+}
+
+bool Collector::WaitForPolicy() {
+  if (!config_.actor.wait_for_policy || parts_.driver != nullptr) return true;
+  TakePolicy();
+  if (version_ != 0) return true;
+  const ScopedActivity wait(parts_.ledger, Activity::kWaitForWeights);
+  for (int poll = 0; poll < kPolicyPolls && version_ == 0 && !parts_.stop; ++poll) {
+    parts_.clock.SleepFor(kPolicyPoll);
+    Beat();
+    TakePolicy();
+  }
+  return version_ != 0;
 }
 
 bool Collector::WaitForRoom() {

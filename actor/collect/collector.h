@@ -39,9 +39,9 @@ struct CollectedEpisode {
   uint32_t policy_version = 0;  // in use when it ended
 };
 
-// Acts at random until the first policy arrives, then samples from the policy; or as a scripted driver does.
-// RunEpisode belongs to one thread, which beats while it waits (the environment beats while it drives);
-// progress may be read by any.
+// Acts at random until the first policy arrives, or waits for it (actor.wait_for_policy), then samples from
+// the policy; or acts as a scripted driver does. RunEpisode belongs to one thread, which beats while it waits
+// (the environment beats while it drives); progress may be read by any.
 class Collector {
  public:
   // Borrowed for the collector's life.
@@ -62,8 +62,9 @@ class Collector {
             uint64_t last_episode = 0);
 
   // Drives one episode. Nothing when it was cut by `stop` or lost to the simulator (counted; the frames so
-  // far stay valid experience). Waits, outside the simulator, while the sink is blocked. An error when the
-  // simulator fails again and again: going on is pointless.
+  // far stay valid experience), or did not begin because no policy has come for a second. Waits, outside the
+  // simulator, while the sink is blocked. An error when the simulator fails again and again: going on is
+  // pointless.
   Result<std::optional<CollectedEpisode>> RunEpisode();
 
   CollectorProgress progress() const;
@@ -80,6 +81,8 @@ class Collector {
   // One decision; true when the episode ended.
   Result<bool> Decide();
   Result<std::optional<CollectedEpisode>> Lose(const Error& error);
+  // False when stopped, or none has come for a while.
+  bool WaitForPolicy();
   // False when stopped.
   bool WaitForRoom();
   void TakePolicy();

@@ -131,6 +131,7 @@ enum class ActorPolicy { kLearned, kRandom, kRdm, kSlow, kPredictive };
 struct ActorConfig {
   int count = 1;
   ActorPolicy policy = ActorPolicy::kLearned;
+  bool wait_for_policy = false;  // before the first one arrives; else actors drive at random until then
   int chunk_frames = 64;
   int64_t max_unacknowledged_bytes = int64_t{64} << 20;
   FloatCoding floats = FloatCoding::kFloat16;

@@ -167,6 +167,8 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
   b.AddChoice("actor.policy", a.policy, {"learned", "random", "rdm", "slow", "predictive"},
               "Who drives: the policy that is learnt, or a scripted driver, whose experience is learnt from");
+  b.Add("actor.wait_for_policy", a.wait_for_policy,
+        "Whether actors wait for the learner's first policy; false: they drive at random until it comes");
   b.Add("actor.chunk_frames", a.chunk_frames, 1, 64, "Frames of one experience chunk");
   b.Add("actor.max_unacknowledged_bytes", a.max_unacknowledged_bytes, 1 << 16, kHuge,
         "Experience an actor keeps until the replay has stored it; then it waits");

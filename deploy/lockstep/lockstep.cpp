@@ -95,6 +95,8 @@ class Lockstep {
                    0, 0) {}
 
   Result<LockstepResult> Run() {
+    // Nothing to train on yet, but a policy that is published untrained.
+    DADRL_RETURN_IF_ERROR(TrainWhileAllowed());
     while (!stop_ && !EndReached()) {
       cluster_->PassPolicy();
       DADRL_RETURN_IF_ERROR(collector_.RunEpisode().map([](const auto&) {}));

@@ -19,8 +19,10 @@ struct AlgorithmSpec {
   TrajectoryShape batch;                // what it trains on
   std::span<const ScalarSpec> scalars;  // of each update; of static storage
   bool gives_priorities = false;        // of the samples of each batch
-  // Its untrained policy is published as version 1 before the first update, else the first is that of the
-  // first update. Until a version arrives actors drive at random.
+  // It learns from what its own policy did alone: its untrained policy is published as version 1 before the
+  // first update, and actors wait for it. Actors know of this by the configuration: the algorithm's preset
+  // sets actor.wait_for_policy, and CheckNeeds (registry.h) refuses a configuration that says otherwise.
+  // False: version 1 is the policy of the first update, and actors drive at random until it arrives.
   bool acts_from_start = false;
 };
 

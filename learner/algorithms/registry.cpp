@@ -33,6 +33,29 @@ std::vector<std::string> Names() {
   return names;
 }
 
+Status CheckPriorities(const Config& config, const AlgorithmSpec& spec) {
+  if (spec.gives_priorities || !UsesPriorities(config.replay)) return {};
+  const char* const key = ByPriority(config.replay.sampler) ? "replay.sampler" : "replay.remover";
+  return Fail(ErrorCode::kInvalidArgument,
+              "{} goes by priorities, and algorithm.name: {} gives none; set it to uniform or oldest_first",
+              key, config.algorithm.name);
+}
+
+// Actors that wait for a policy that only experience brings, and random experience where there must be none.
+Status CheckActors(const Config& config, const AlgorithmSpec& spec) {
+  if (spec.acts_from_start && config.actor.policy != ActorPolicy::kLearned) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "actor.policy: algorithm.name: {} learns from what its own policy does; set it to learned",
+                config.algorithm.name);
+  }
+  if (spec.acts_from_start == config.actor.wait_for_policy) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "actor.wait_for_policy: {} does not suit algorithm.name: {}, whose first policy comes {} "
+              "experience; set it to {}",
+              config.actor.wait_for_policy, config.algorithm.name,
+              spec.acts_from_start ? "before any" : "out of", spec.acts_from_start);
+}
+
 }  // namespace
 
 std::span<const AlgorithmEntry> Algorithms() { return kAlgorithms; }
@@ -46,11 +69,8 @@ Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name) {
 }
 
 Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
-  if (spec.gives_priorities || !UsesPriorities(config.replay)) return {};
-  const char* const key = ByPriority(config.replay.sampler) ? "replay.sampler" : "replay.remover";
-  return Fail(ErrorCode::kInvalidArgument,
-              "{} goes by priorities, and algorithm.name: {} gives none; set it to uniform or oldest_first",
-              key, config.algorithm.name);
+  DADRL_RETURN_IF_ERROR(CheckPriorities(config, spec));
+  return CheckActors(config, spec);
 }
 
 Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config) {

@@ -24,7 +24,7 @@ std::span<const AlgorithmEntry> Algorithms();
 Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name);
 
 // kInvalidArgument with key, value and remedy when `config` asks for what an algorithm of this `spec` does
-// not give.
+// not give, or does not give what it needs.
 Status CheckNeeds(const Config& config, const AlgorithmSpec& spec);
 
 // That of algorithm.name; errors of both of the above.

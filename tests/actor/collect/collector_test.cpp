@@ -76,8 +76,12 @@ class ScriptedPolicies final : public PolicySource {
  public:
   uint32_t version = 0;
   std::vector<float> parameters;
+  int looks = 0;
+  std::function<void()> on_look = [] {};
 
   uint32_t TakeNewer(uint32_t have, std::vector<float>& out) override {
+    ++looks;
+    on_look();
     if (version <= have) return 0;
     out = parameters;
     return version;
@@ -153,6 +157,31 @@ TEST_F(CollectorTest, TakesANewPolicyInTheMiddleOfAnEpisode) {
   EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f2 v5", "end"));
   EXPECT_EQ(episode->policy_version, 5);
   EXPECT_EQ(collector.progress().policy_version, 5);
+}
+
+TEST_F(CollectorTest, WaitsForTheFirstPolicyWhereNothingButItsExperienceCounts) {
+  config_.actor.wait_for_policy = true;
+  Collector collector = Make();
+  EXPECT_FALSE(collector.RunEpisode().value()) << "so that its owner can look why";
+  EXPECT_TRUE(environment_.seeds.empty());
+  EXPECT_TRUE(sink_.lines.empty());
+  EXPECT_EQ(ledger_.Read()[Activity::kWaitForWeights].count, 1u);
+  EXPECT_NEAR(ledger_.Read()[Activity::kWaitForWeights].seconds, 1.0, 0.01);
+  policies_.on_look = [this] {
+    if (policies_.looks == 150) PublishPolicy(3);
+  };
+  const auto episode = collector.RunEpisode().value();
+  ASSERT_TRUE(episode);
+  EXPECT_EQ(episode->episode, 1u);
+  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v3", "1 r20 f0 v3", "2 r30 f2 v3", "end"));
+}
+
+TEST_F(CollectorTest, StopsWaitingForAPolicy) {
+  config_.actor.wait_for_policy = true;
+  policies_.on_look = [this] { stop_ = policies_.looks == 7; };
+  Collector collector = Make();
+  EXPECT_FALSE(collector.RunEpisode().value());
+  EXPECT_EQ(policies_.looks, 7);
 }
 
 TEST_F(CollectorTest, ExploresWithThePolicy) {

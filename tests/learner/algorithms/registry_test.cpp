@@ -72,5 +72,21 @@ TEST(Registry, AReplayThatGoesByPrioritiesNeedsAnAlgorithmThatGivesThem) {
   EXPECT_THAT(CheckNeeds(config, {}).error().message, testing::StartsWith("replay.sampler goes by"));
 }
 
+TEST(Registry, ActorsWaitForAPolicyExactlyWhereItComesBeforeExperience) {
+  const AlgorithmSpec on_policy{.batch = {}, .scalars = {}, .acts_from_start = true};
+  Config config;
+  config.algorithm.name = "ppo";
+  EXPECT_THAT(CheckNeeds(config, on_policy).error().message,
+              HasSubstr("actor.wait_for_policy: false does not suit algorithm.name: ppo, whose first policy "
+                        "comes before any experience; set it to true"));
+  config.actor.wait_for_policy = true;
+  EXPECT_TRUE(CheckNeeds(config, on_policy));
+  EXPECT_THAT(CheckNeeds(config, {}).error().message,
+              AllOf(HasSubstr("actor.wait_for_policy: true"), HasSubstr("set it to false")));
+  config.actor.policy = ActorPolicy::kPredictive;
+  EXPECT_THAT(CheckNeeds(config, on_policy).error().message,
+              AllOf(HasSubstr("actor.policy"), HasSubstr("set it to learned")));
+}
+
 }  // namespace
 }  // namespace dadrl
