@@ -30,10 +30,11 @@ Status CheckServed(const Config& config, const TrajectoryShape& shape) {
                 replay.sequence_length, shape.steps, kMaxTrajectorySteps);
   }
   if (!shape.all_observations && replay.sequence_period != 1) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "replay.sequence_period: {} lets only every {}th frame be drawn, and this learner trains on "
-                "transitions; set it to 1",
-                replay.sequence_period, replay.sequence_period);
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.sequence_period: {} lets only every {}th frame be sampled, and this learner trains on "
+        "transitions; set it to 1",
+        replay.sequence_period, replay.sequence_period);
   }
   return {};
 }

@@ -16,7 +16,7 @@ Json Described(const AlgorithmEntry& entry) {
   Json scalars = Json::array();
   for (const ScalarSpec& scalar : spec.scalars) scalars.push_back(scalar.name);
   return {{"name", entry.name},
-          {"sentence", entry.sentence},
+          {"description", entry.description},
           {"scalars", scalars},
           {"gives_priorities", spec.gives_priorities},
           {"acts_from_start", spec.acts_from_start}};
@@ -28,7 +28,7 @@ std::string AlgorithmList(bool json) {
   std::string lines;
   Json rows = Json::array();
   for (const AlgorithmEntry& entry : Algorithms()) {
-    lines += fmt::format("{:<8} {}\n", entry.name, entry.sentence);
+    lines += fmt::format("{:<8} {}\n", entry.name, entry.description);
     rows.push_back(Described(entry));
   }
   return json ? Json{{"algorithms", rows}}.dump() + "\n" : lines;

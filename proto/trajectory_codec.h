@@ -28,10 +28,10 @@ struct SampledStep {
   std::span<const std::byte> decision;
 };
 
-// As drawn; borrows what it points to until it is sent.
+// As sampled; borrows what it points to until it is sent.
 struct SampledTrajectory {
   uint64_t key = 0;
-  float probability = 1.0f;        // of having been drawn
+  float probability = 1.0f;        // of having been sampled
   float importance_weight = 1.0f;  // scaled so that the largest of the batch is 1
   bool terminated = false;         // at its last step; then there is no payload behind it
   bool truncated = false;

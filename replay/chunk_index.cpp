@@ -108,7 +108,7 @@ void ChunkIndex::MakeItem(const Item& item) {
   item.chunk->slots()[item.frame] = slot;
   selector_->Insert(slot, max_priority_);
   if (remover_) remover_->Insert(slot, max_priority_);
-  draws_left_ += static_cast<uint64_t>(options_.max_times_sampled);
+  samples_left_ += static_cast<uint64_t>(options_.max_times_sampled);
 }
 
 void ChunkIndex::RemoveItem(uint32_t slot) {
@@ -119,8 +119,8 @@ void ChunkIndex::RemoveItem(uint32_t slot) {
 void ChunkIndex::FreeSlot(uint32_t slot) {
   Item& item = items_[slot];
   if (remover_) remover_->Delete(slot);
-  draws_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
-                 (options_.max_times_sampled > 0 ? item.times_sampled : 0);
+  samples_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
+                   (options_.max_times_sampled > 0 ? item.times_sampled : 0);
   item.chunk->slots()[item.frame] = StoredChunk::kRemoved;
   item = {};
   free_slots_.push_back(slot);
@@ -181,73 +181,73 @@ bool ChunkIndex::ReachesDamage(const StoredChunk& chunk) const {
   return false;
 }
 
-bool ChunkIndex::CanDraw(size_t count) const {
-  return items() > 0 && (options_.max_times_sampled == 0 || draws_left_ >= count);
+bool ChunkIndex::CanSample(size_t count) const {
+  return items() > 0 && (options_.max_times_sampled == 0 || samples_left_ >= count);
 }
 
-DrawnItems ChunkIndex::Draw(size_t count, int n_step, Random& random) {
-  assert(CanDraw(count) && n_step >= 1 && n_step <= options_.n_step);
+SampledItems ChunkIndex::SampleItems(size_t count, int n_step, Random& random) {
+  assert(CanSample(count) && n_step >= 1 && n_step <= options_.n_step);
   // Memory is slower than all that is done here: each pass asks for what the next one reads.
-  std::vector<Selector::Draw> draws(count);
+  std::vector<Selector::Choice> choices(count);
   std::vector<uint32_t> spent;
   if (options_.max_times_sampled == 0) {
-    selector_->SampleMany(random, draws);
+    selector_->SampleMany(random, choices);
   } else {
-    for (Selector::Draw& draw : draws) {
-      draw = selector_->Sample(random);
-      if (Spend(draw.slot)) spent.push_back(draw.slot);
+    for (Selector::Choice& choice : choices) {
+      choice = selector_->Sample(random);
+      if (CountSample(choice.slot)) spent.push_back(choice.slot);
     }
   }
-  for (const auto& draw : draws) Prefetch(&items_[draw.slot], sizeof(Item));
-  for (const auto& draw : draws) Prefetch(items_[draw.slot].chunk, sizeof(StoredChunk));
-  DrawnItems drawn;
-  drawn.items.resize(count);
-  drawn.chunks.reserve(2 * count);
-  ++draws_;
+  for (const auto& choice : choices) Prefetch(&items_[choice.slot], sizeof(Item));
+  for (const auto& choice : choices) Prefetch(items_[choice.slot].chunk, sizeof(StoredChunk));
+  SampledItems sampled;
+  sampled.items.resize(count);
+  sampled.chunks.reserve(2 * count);
+  ++sampled_batches_;
   for (size_t i = 0; i < count; ++i) {
-    Item& item = items_[draws[i].slot];
+    Item& item = items_[choices[i].slot];
     if (options_.max_times_sampled == 0 && item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
-    // Never 0, which nothing that was drawn has: importance divides by it.
-    drawn.items[i].probability =
-        std::max(static_cast<float>(draws[i].probability), std::numeric_limits<float>::min());
-    drawn.items[i].frame = item.frame;
-    drawn.items[i].key = KeyOf(*item.chunk, item.frame);
-    AddChunks(*item.chunk, n_step, drawn.items[i], drawn);
+    // Never 0, which nothing that was sampled has: importance divides by it.
+    sampled.items[i].probability =
+        std::max(static_cast<float>(choices[i].probability), std::numeric_limits<float>::min());
+    sampled.items[i].frame = item.frame;
+    sampled.items[i].key = KeyOf(*item.chunk, item.frame);
+    AddChunks(*item.chunk, n_step, sampled.items[i], sampled);
   }
   for (const uint32_t slot : spent) FreeSlot(slot);
-  SetImportance(drawn);
-  return drawn;
+  SetImportance(sampled);
+  return sampled;
 }
 
-bool ChunkIndex::Spend(uint32_t slot) {
+bool ChunkIndex::CountSample(uint32_t slot) {
   Item& item = items_[slot];
-  --draws_left_;
+  --samples_left_;
   if (++item.times_sampled < static_cast<uint32_t>(options_.max_times_sampled)) return false;
   selector_->Delete(slot);
   return true;
 }
 
 // The chunks that hold the frames of `item` and `n_step` more, as far as the episode goes.
-void ChunkIndex::AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item,
-                           DrawnItems& drawn) const {
-  item.first_chunk = drawn.chunks.size();
+void ChunkIndex::AddChunks(const StoredChunk& first, int n_step, SampledItems::Item& item,
+                           SampledItems& sampled) const {
+  item.first_chunk = sampled.chunks.size();
   int left = item.frame + n_step + 1;
   for (const StoredChunk* chunk = &first; chunk != nullptr && left > 0; chunk = chunk->next) {
-    drawn.chunks.push_back(chunk->view);
+    sampled.chunks.push_back(chunk->view);
     left -= chunk->view.frames();
-    if (std::exchange(chunk->segment->last_draw, draws_) != draws_) {
-      drawn.segments.push_back(chunk->segment->segment);
+    if (std::exchange(chunk->segment->last_batch, sampled_batches_) != sampled_batches_) {
+      sampled.segments.push_back(chunk->segment->segment);
     }
   }
-  item.chunk_count = drawn.chunks.size() - item.first_chunk;
+  item.chunk_count = sampled.chunks.size() - item.first_chunk;
 }
 
 // (N P)^-beta, scaled so that the largest of the batch is 1 (Schaul et al., 2016).
-void ChunkIndex::SetImportance(DrawnItems& drawn) const {
+void ChunkIndex::SetImportance(SampledItems& sampled) const {
   if (options_.sampler != SamplerKind::kPrioritized) return;
   double least = std::numeric_limits<double>::max();
-  for (const auto& item : drawn.items) least = std::min(least, static_cast<double>(item.probability));
-  for (auto& item : drawn.items) {
+  for (const auto& item : sampled.items) least = std::min(least, static_cast<double>(item.probability));
+  for (auto& item : sampled.items) {
     item.importance_weight = static_cast<float>(
         std::pow(least / static_cast<double>(item.probability), options_.importance_exponent));
   }

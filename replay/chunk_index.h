@@ -48,15 +48,15 @@ class ChunkIndex {
   // these hold. O(chunks) when there is a new one, otherwise O(segments).
   uint64_t DropDamaged();
 
-  // Items that can be drawn.
+  // Items that can be sampled.
   size_t items() const { return selector_->size(); }
-  // Draws left until every item has been sampled max_times_sampled times; without that limit, as many as you
-  // like once there is an item.
-  bool CanDraw(size_t count) const;
-  // Needs CanDraw(count) and n_step of at most the option's.
-  DrawnItems Draw(size_t count, int n_step, Random& random);
+  // Samples left until every item has been sampled max_times_sampled times; without that limit, as many as
+  // you like once there is an item.
+  bool CanSample(size_t count) const;
+  // Needs CanSample(count) and n_step of at most the option's.
+  SampledItems SampleItems(size_t count, int n_step, Random& random);
 
-  // Lets items beyond max_items leave, as the remover chooses: they are not drawn any more.
+  // Lets items beyond max_items leave, as the remover chooses: they are not sampled any more.
   void RemoveSurplus(Random& random);
 
   // What a restart must know beyond the chunks. O(items), in memory alone.
@@ -110,8 +110,9 @@ class ChunkIndex {
   // Of an item that the selector no longer has.
   void FreeSlot(uint32_t slot);
   void RemoveStale(StoredChunk& chunk);
-  // Counts a draw against max_times_sampled; true when it was the last: the selector no longer has the item.
-  bool Spend(uint32_t slot);
+  // Counts a sample against max_times_sampled; true when it was the last: the selector no longer has the
+  // item.
+  bool CountSample(uint32_t slot);
   bool TooStale(uint32_t policy_version) const;
   void DropOldest();
   void RemoveItems(StoredChunk& chunk);
@@ -119,8 +120,8 @@ class ChunkIndex {
   void Abandon(const StoredSegment& segment);
   // Whether a slice that starts in `chunk` may look into a damaged segment.
   bool ReachesDamage(const StoredChunk& chunk) const;
-  void AddChunks(const StoredChunk& first, int n_step, DrawnItems::Item& item, DrawnItems& drawn) const;
-  void SetImportance(DrawnItems& drawn) const;
+  void AddChunks(const StoredChunk& first, int n_step, SampledItems::Item& item, SampledItems& sampled) const;
+  void SetImportance(SampledItems& sampled) const;
   StoredChunk* Find(uint64_t key);
 
   const Options options_;
@@ -132,8 +133,8 @@ class ChunkIndex {
   std::unordered_map<uint32_t, OpenEpisode> episodes_;  // by actor
   uint64_t frames_ = 0;
   uint64_t chunk_count_ = 0;
-  uint64_t draws_ = 0;       // so far
-  uint64_t draws_left_ = 0;  // over all items; counts only with max_times_sampled
+  uint64_t sampled_batches_ = 0;  // so far
+  uint64_t samples_left_ = 0;     // over all items; counts only with max_times_sampled
   double max_priority_ = 1.0;
   uint32_t newest_version_ = 0;
 };

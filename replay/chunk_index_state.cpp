@@ -68,7 +68,7 @@ void ChunkIndex::RestoreItem(StoredChunk& chunk, size_t frame, float priority, u
   const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
   if (priority < 0.0f || (limit > 0 && times_sampled >= limit)) return RemoveItem(slot);
   SetPriority(slot, static_cast<double>(priority));
-  if (limit > 0) draws_left_ -= times_sampled;
+  if (limit > 0) samples_left_ -= times_sampled;
   items_[slot].times_sampled = std::min(times_sampled, kMaxTimesSampled);
 }
 

@@ -12,8 +12,8 @@ namespace dadrl {
 
 struct ItemStates {
   // In place of a priority.
-  static constexpr float kNoItem = -1.0f;   // not drawable yet, or never
-  static constexpr float kRemoved = -2.0f;  // was drawable; has left for good
+  static constexpr float kNoItem = -1.0f;   // not sampleable yet, or never
+  static constexpr float kRemoved = -2.0f;  // was sampleable; has left for good
 
   struct Chunk {
     uint64_t segment = 0;

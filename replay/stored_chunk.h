@@ -11,7 +11,7 @@
 
 namespace dadrl {
 
-// One cache line: a draw reads one of these at random.
+// One cache line: a sample reads one of these at random.
 struct alignas(64) ChunkIndex::StoredChunk {
   static constexpr uint32_t kNoItem = std::numeric_limits<uint32_t>::max();
   static constexpr uint32_t kRemoved = kNoItem - 1;
@@ -50,8 +50,8 @@ struct ChunkIndex::StoredSegment {
 
   std::shared_ptr<const Segment> segment;
   std::deque<StoredChunk> chunks;
-  uint64_t last_draw = 0;  // the last that holds it
-  bool damaged = false;    // nothing of it is drawn any more, and its frames are not counted
+  uint64_t last_batch = 0;  // the last that holds it
+  bool damaged = false;     // nothing of it is sampled any more, and its frames are not counted
 };
 
 }  // namespace dadrl

@@ -219,9 +219,10 @@ Status ReplayTable::DropOldestSegment() {
   const uint64_t oldest = log_->oldest_id();
   MutexLock lock(mutex_);
   index_.DropSegmentsBefore(oldest);
-  if (index_.items() > 0 || limiter_.state().sampled > 0 || std::exchange(told_too_small_, true)) return {};
+  if (index_.items() > 0 || limiter_.state().sampled > 0 || std::exchange(too_small_reported_, true))
+    return {};
   spdlog::warn(
-      "the oldest frames leave before any could be drawn: replay.max_disk_bytes {} and "
+      "the oldest frames leave before any could be sampled: replay.max_disk_bytes {} and "
       "replay.max_memory_bytes {} keep {} frames, and each waits for {} decisions of its episode to follow; "
       "raise them, or lower replay.sequence_length or algorithm.n_step",
       options_.replay.max_disk_bytes, options_.replay.max_memory_bytes, index_.frames(),
@@ -243,11 +244,11 @@ void ReplayTable::BoundIndex() {
 RateLimiter::Hold ReplayTable::MaySample(const TrajectoryShape& shape) {
   MutexLock lock(mutex_);
   last_count_ = static_cast<size_t>(shape.count);
-  return limiter_.MaySample(Samples(shape), Drawable(last_count_));
+  return limiter_.MaySample(Samples(shape), Sampleable(last_count_));
 }
 
-int64_t ReplayTable::Drawable(size_t count) const {
-  return index_.CanDraw(count) ? static_cast<int64_t>(index_.items()) : 0;
+int64_t ReplayTable::Sampleable(size_t count) const {
+  return index_.CanSample(count) ? static_cast<int64_t>(index_.items()) : 0;
 }
 
 Status ReplayTable::CheckShape(const TrajectoryShape& shape) const {
@@ -270,24 +271,24 @@ Status ReplayTable::CheckShape(const TrajectoryShape& shape) const {
   return {};
 }
 
-Result<DrawnItems> ReplayTable::Draw(const TrajectoryShape& shape, uint32_t policy_version) {
+Result<SampledItems> ReplayTable::SampleItems(const TrajectoryShape& shape, uint32_t policy_version) {
   DADRL_RETURN_IF_ERROR(CheckShape(shape));
   const int64_t samples = Samples(shape);
   const auto count = static_cast<size_t>(shape.count);
   MutexLock lock(mutex_);
   index_.SetNewestVersion(policy_version);
-  if (limiter_.MaySample(samples, Drawable(count)) != RateLimiter::Hold::kNone) {
+  if (limiter_.MaySample(samples, Sampleable(count)) != RateLimiter::Hold::kNone) {
     return Fail(ErrorCode::kUnavailable, "{} samples of {} items have to wait for inserts", samples,
                 index_.items());
   }
-  DrawnItems drawn = index_.Draw(count, shape.steps, random_);
+  SampledItems sampled = index_.SampleItems(count, shape.steps, random_);
   limiter_.OnSample(samples);
-  return drawn;
+  return sampled;
 }
 
 Result<SampledBatch> ReplayTable::Sample(const TrajectoryShape& shape, uint32_t policy_version) {
-  DADRL_ASSIGN_OR_RETURN(DrawnItems drawn, Draw(shape, policy_version));
-  return ReadTrajectories(std::move(drawn), shape);
+  DADRL_ASSIGN_OR_RETURN(SampledItems sampled, SampleItems(shape, policy_version));
+  return ReadTrajectories(std::move(sampled), shape);
 }
 
 void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities) {
@@ -304,8 +305,8 @@ void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<con
 
 bool ReplayTable::MayInsert() const {
   MutexLock lock(mutex_);
-  // A batch that cannot be drawn pays no debt.
-  return limiter_.MayInsert(Drawable(last_count_));
+  // A batch that cannot be sampled pays no debt.
+  return limiter_.MayInsert(Sampleable(last_count_));
 }
 
 void ReplayTable::Reconfigure(const RateLimiter::Options& options) {

@@ -1,6 +1,6 @@
 // The replay itself, without a network: durable experience in, sampled batches out.
 //
-//   Insert ──► SequenceTable (exactly once) ──► SegmentLog (on disk) ──► ChunkIndex (what can be drawn)
+//   Insert ──► SequenceTable (exactly once) ──► SegmentLog (on disk) ──► ChunkIndex (what can be sampled)
 //   Sample ◄── ReadTrajectories (straight from the mapped files) ◄── ChunkIndex
 //
 // What is stored survives the death of the process as soon as Insert returns, and that of the machine after
@@ -43,7 +43,7 @@ struct TableOptions {
   StepSpec spec;                    // of the steps: chunks of another schema are refused
   ReplayConfig replay;
   int n_step = 1;     // steps of the longest trajectories without all observations that will be asked for
-  uint64_t seed = 1;  // of the draws
+  uint64_t seed = 1;  // of the sampling
   // Of rewards and priorities: what is beyond them is refused, and dropped when it is found on disk.
   ExperienceBounds bounds = ExperienceBounds::From(Config{});
   // Looks at each new chunk's payloads before it is stored; null: they are trusted. A chunk that fails is
@@ -115,7 +115,7 @@ class ReplayTable {
   std::optional<uint64_t> Stored(uint32_t actor, uint64_t incarnation) const;
 
   // Writes the state file: what a restart finds of counters, limiter and priorities. Blocks on the disk,
-  // inserts and draws only for a copy in memory.
+  // inserts and samples only for a copy in memory.
   Status SaveState();
   // The same if a segment was begun since: then the oldest can leave without Insert's waiting for it.
   Status SaveStateOfNewSegment();
@@ -126,13 +126,13 @@ class ReplayTable {
   // Whether a batch may be sampled now, and if not, why: ask again after inserts. A trajectory with all its
   // observations counts as so many samples as it has steps, else as one.
   RateLimiter::Hold MaySample(const TrajectoryShape& shape);
-  // Draws a batch, to be read by ReadTrajectories without a lock, so that inserts and other draws go on
+  // Samples a batch, to be read by ReadTrajectories without a lock, so that inserts and other samplings go on
   // meanwhile. `policy_version`: the newest, for the staleness limit; 0 when unknown. kUnavailable: MaySample
   // would not allow it, or what was there went stale; kInvalidArgument: CheckShape.
-  Result<DrawnItems> Draw(const TrajectoryShape& shape, uint32_t policy_version);
-  // Draws and reads.
+  Result<SampledItems> SampleItems(const TrajectoryShape& shape, uint32_t policy_version);
+  // Samples and reads.
   Result<SampledBatch> Sample(const TrajectoryShape& shape, uint32_t policy_version);
-  // kInvalidArgument: such batches can never be drawn; names the limit.
+  // kInvalidArgument: such batches can never be sampled; names the limit.
   Status CheckShape(const TrajectoryShape& shape) const;
   // Priorities that are no numbers, negative or beyond the bound are refused: counted, the first is logged.
   void UpdatePriorities(std::span<const uint64_t> keys, std::span<const float> priorities);
@@ -145,7 +145,7 @@ class ReplayTable {
 
   // Forces what is stored to the device. Blocks on the disk.
   Status Sync() { return log_->Sync(); }
-  // Lets what cannot be read any more go (a failing disk, a file cut short): it is not drawn, nothing is
+  // Lets what cannot be read any more go (a failing disk, a file cut short): it is not sampled, nothing is
   // added to its segment. kCorrupt, with the file, while a damaged segment is there. Cheap when there is
   // none.
   Status DropDamaged();
@@ -174,7 +174,7 @@ class ReplayTable {
   Status ForceAndWriteState(const Capture& capture) DADRL_EXCLUDES(state_mutex_);
 
   // The items, or 0 while they do not suffice for a batch of `count`: each serves max_times_sampled times.
-  int64_t Drawable(size_t count) const DADRL_REQUIRES(mutex_);
+  int64_t Sampleable(size_t count) const DADRL_REQUIRES(mutex_);
   Insertion Refuse(ChunkFault fault, const Error& reason, ChunkRefusal* refusal) DADRL_EXCLUDES(mutex_);
   Result<Insertion> InsertParsed(const ChunkView& chunk, uint64_t oldest_kept, ChunkRefusal* refusal)
       DADRL_REQUIRES(insert_mutex_) DADRL_EXCLUDES(mutex_);
@@ -207,7 +207,7 @@ class ReplayTable {
   RateLimiter limiter_ DADRL_GUARDED_BY(mutex_);
   Random random_ DADRL_GUARDED_BY(mutex_);
   size_t last_count_ DADRL_GUARDED_BY(mutex_) = 1;  // that MaySample was asked for
-  bool told_too_small_ DADRL_GUARDED_BY(mutex_) = false;
+  bool too_small_reported_ DADRL_GUARDED_BY(mutex_) = false;
   Stats counters_ DADRL_GUARDED_BY(mutex_);  // only what the parts do not know themselves
 
   // Before this one every segment is in the state on disk.

@@ -50,18 +50,18 @@ bool ReadSteps(Cursor at, const TrajectoryShape& shape, SampledTrajectory& traje
 
 }  // namespace
 
-Result<SampledBatch> ReadTrajectories(DrawnItems drawn, const TrajectoryShape& shape) {
+Result<SampledBatch> ReadTrajectories(SampledItems sampled, const TrajectoryShape& shape) {
   SampledBatch batch;
-  batch.segments = std::move(drawn.segments);
-  batch.trajectories.resize(drawn.items.size());
+  batch.segments = std::move(sampled.segments);
+  batch.trajectories.resize(sampled.items.size());
   // Neither grows beyond this, so the trajectories' spans stay where they are.
-  batch.steps.reserve(drawn.items.size() * static_cast<size_t>(shape.steps));
-  batch.payloads.reserve(drawn.items.size() * static_cast<size_t>(shape.observations()));
-  const std::span<const ChunkView> chunks(drawn.chunks);
+  batch.steps.reserve(sampled.items.size() * static_cast<size_t>(shape.steps));
+  batch.payloads.reserve(sampled.items.size() * static_cast<size_t>(shape.observations()));
+  const std::span<const ChunkView> chunks(sampled.chunks);
   // Most of it is not in the processor's caches: ask for all before any of it is read.
-  for (const DrawnItems::Item& item : drawn.items) chunks[item.first_chunk].PrefetchColumns(item.frame);
-  for (size_t i = 0; i < drawn.items.size(); ++i) {
-    const DrawnItems::Item& from = drawn.items[i];
+  for (const SampledItems::Item& item : sampled.items) chunks[item.first_chunk].PrefetchColumns(item.frame);
+  for (size_t i = 0; i < sampled.items.size(); ++i) {
+    const SampledItems::Item& from = sampled.items[i];
     SampledTrajectory& trajectory = batch.trajectories[i];
     trajectory.key = from.key;
     trajectory.probability = from.probability;

@@ -1,4 +1,4 @@
-// From drawn items to the trajectories that are sent: across chunk borders, read outside the table's lock.
+// From sampled items to the trajectories that are sent: across chunk borders, read outside the table's lock.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace dadrl {
 
-// What was drawn, with a hold on the segments behind it: these may leave the table meanwhile.
-struct DrawnItems {
+// What was sampled, with a hold on the segments behind it: these may leave the table meanwhile.
+struct SampledItems {
   struct Item {
     uint64_t key = 0;
     int frame = 0;           // within its first chunk
@@ -41,7 +41,7 @@ struct SampledBatch {
 // Reads up to `shape.steps` steps from each item on, fewer where the episode ends, and the payloads that the
 // shape asks for. kCorrupt: the stored bytes changed since they were checked (a failing disk); nothing is
 // read outside them.
-Result<SampledBatch> ReadTrajectories(DrawnItems drawn, const TrajectoryShape& shape);
+Result<SampledBatch> ReadTrajectories(SampledItems sampled, const TrajectoryShape& shape);
 
 // After everything was read: kCorrupt when something of it could not be (ReplayTable::DropDamaged).
 Status CheckReadable(const std::vector<std::shared_ptr<const Segment>>& segments);

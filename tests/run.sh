@@ -70,7 +70,7 @@ address_sanitizer() {
   allow_for_refused_tracing
   cmake --preset asan -DDADRL_FUZZ=ON  # one build for these tests and the fuzzers
   build asan config_test io_test policy_file_test telemetry_bus_test telemetry_test experience_test evaluation_report_test \
-    replay_table_test chunk_verifier_test chores_test training_test learner_cluster_test algorithms_test model_test \
+    replay_table_test chunk_verifier_test periodic_tasks_test training_test learner_cluster_test algorithms_test model_test \
     deploy_monitor_test
   run_tests asan -j "$(nproc)"
 }
@@ -78,7 +78,7 @@ address_sanitizer() {
 # Whatever has threads: the replay's service, the fetcher, the writer, the supervisor and what they are made of.
 thread_sanitizer() {
   have_room_for_shadow || return 0
-  build tsan util_test nn_test dds_test chores_test replay_service_test learner_cluster_test training_test \
+  build tsan util_test nn_test dds_test periodic_tasks_test replay_service_test learner_cluster_test training_test \
     actor_experience_test deploy_local_test
   run_tests tsan -j "$(nproc)"
 }

@@ -31,7 +31,7 @@ std::optional<LeaseToken> ReadToken(const std::filesystem::path& file) {
   return LeaseToken{*high, *low};
 }
 
-LeaseToken DrawToken() {
+LeaseToken RandomToken() {
   std::random_device device;
   const auto half = [&device] { return uint64_t{device()} << 32 | device(); };
   const uint64_t high = half();
@@ -45,7 +45,7 @@ LeaseToken KeptToken(const std::filesystem::path& run_directory, const std::stri
   if (const auto token = ReadToken(file)) return *token;
   std::error_code ignored;  // what matters fails below as well
   std::filesystem::create_directories(file.parent_path(), ignored);
-  const LeaseToken token = DrawToken();
+  const LeaseToken token = RandomToken();
   const std::string text = fmt::format("{:016x}{:016x}\n", token.high, token.low);
   const Status kept = WriteFileAtomically(file, std::string_view(text));
   if (!kept) spdlog::warn("{}", kept.error().message);

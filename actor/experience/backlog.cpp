@@ -14,7 +14,7 @@ void Backlog::Add(Chunk chunk) {
 }
 
 Backlog::AckEffect Backlog::OnAcknowledgement(uint64_t stored, uint64_t granted, TimePoint now) {
-  if (stored > last_) return AckEffect::kAlien;
+  if (stored > last_) return AckEffect::kInvalid;
   heard_ = stored >= acknowledged_;
   granted_ = std::min(std::max(granted, acknowledged_), std::max(stored, acknowledged_) + kMaxGrant);
   if (!heard_) return AckEffect::kForgotten;

@@ -34,7 +34,7 @@ class Backlog {
     kAccepted,
     kForgotten,  // the replay stores less than it once said: what lies between is lost, and one chunk tells
                  // it where we are
-    kAlien,      // acknowledges what was never produced; ignored
+    kInvalid,    // acknowledges what was never produced; ignored
   };
 
   // Sequences must be consecutive, from 1.

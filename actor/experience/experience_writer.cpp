@@ -137,15 +137,15 @@ void ExperienceWriter::OnAcknowledgement(const dadrl_idl_Acknowledgement& ack) {
   const uint64_t before = backlog_.acknowledged();
   switch (backlog_.OnAcknowledgement(ack.stored_sequence, ack.granted_sequence, clock_.Now())) {
     case Backlog::AckEffect::kAccepted:
-      alien_since_ = {};
+      invalid_since_ = {};
       break;
     case Backlog::AckEffect::kForgotten:
-      if (std::exchange(told_of_forgotten_, true)) break;
+      if (std::exchange(forgotten_reported_, true)) break;
       spdlog::warn("replay shard {} has forgotten this actor's chunks {} to {}: they are lost", shard_,
                    ack.stored_sequence + 1, before);
       break;
-    case Backlog::AckEffect::kAlien:
-      OnAlien(ack);
+    case Backlog::AckEffect::kInvalid:
+      OnInvalid(ack);
       break;
   }
 }
@@ -166,13 +166,13 @@ void ExperienceWriter::CountRefusals(const dadrl_idl_Acknowledgement& ack) {
   refused_ += ack.refused > before ? ack.refused - before : ack.refused;
 }
 
-void ExperienceWriter::OnAlien(const dadrl_idl_Acknowledgement& ack) {
-  if (alien_acknowledgements_++ == 0) {
+void ExperienceWriter::OnInvalid(const dadrl_idl_Acknowledgement& ack) {
+  if (invalid_acknowledgements_++ == 0) {
     spdlog::warn("replay shard {} acknowledges chunk {}, but this actor made only {}: ignored", shard_,
                  ack.stored_sequence, backlog_.last_sequence());
   }
-  if (alien_since_ == TimePoint{}) alien_since_ = clock_.Now();
-  if (clock_.Now() - alien_since_ < kAlienLimit) return;
+  if (invalid_since_ == TimePoint{}) invalid_since_ = clock_.Now();
+  if (clock_.Now() - invalid_since_ < kInvalidLimit) return;
   End(Fail(
       ErrorCode::kCorrupt,
       "replay shard {} acknowledges chunk {} of actor {}, which made only {}: another sends under its number",
@@ -193,7 +193,7 @@ void ExperienceWriter::NoticePeer() {
   const uint64_t generation = chunks_->match_generation();
   if (generation == match_generation_) return;
   match_generation_ = generation;
-  told_of_forgotten_ = false;
+  forgotten_reported_ = false;
   backlog_.OnNewPeer(clock_.Now());
 }
 
@@ -228,7 +228,7 @@ void ExperienceWriter::Publish() {
   statistics_.granted = backlog_.granted();
   statistics_.resent = backlog_.resent_chunks();
   statistics_.refused = refused_;
-  statistics_.alien_acknowledgements = alien_acknowledgements_;
+  statistics_.invalid_acknowledgements = invalid_acknowledgements_;
   statistics_.replay_present = chunks_->matched() > 0;
   acknowledged_changed_.NotifyAll();
 }

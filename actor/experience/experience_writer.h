@@ -30,7 +30,7 @@ class ExperienceWriter final : public ChunkingSink {
     uint64_t granted = 0;       // sequence up to which the replay takes chunks
     uint64_t resent = 0;        // chunks sent more than once
     uint64_t refused = 0;       // chunks that the replay will never take: dropped
-    uint64_t alien_acknowledgements = 0;
+    uint64_t invalid_acknowledgements = 0;
     int64_t backlog_bytes = 0;
     bool replay_present = false;
   };
@@ -65,7 +65,7 @@ class ExperienceWriter final : public ChunkingSink {
 
   static constexpr uint64_t kAhead = 4;
   // A replay that acknowledges for so long what was never sent has heard another under this actor's name.
-  static constexpr Duration kAlienLimit = std::chrono::seconds(10);
+  static constexpr Duration kInvalidLimit = std::chrono::seconds(10);
 
  private:
   using ChunkWriter = Writer<dadrl_idl_ChunkMessage>;
@@ -82,7 +82,7 @@ class ExperienceWriter final : public ChunkingSink {
   void TakeAcknowledgements();
   void OnAcknowledgement(const dadrl_idl_Acknowledgement& ack);
   void CountRefusals(const dadrl_idl_Acknowledgement& ack);
-  void OnAlien(const dadrl_idl_Acknowledgement& ack);
+  void OnInvalid(const dadrl_idl_Acknowledgement& ack);
   void End(Status why);
   void NoticePeer();
   void SendOrWait();
@@ -104,11 +104,11 @@ class ExperienceWriter final : public ChunkingSink {
   // Sender thread.
   Backlog backlog_;
   uint64_t match_generation_ = 0;
-  uint64_t alien_acknowledgements_ = 0;
-  TimePoint alien_since_{};  // {}: the last acknowledgement was sane
+  uint64_t invalid_acknowledgements_ = 0;
+  TimePoint invalid_since_{};  // {}: the last acknowledgement was sane
   uint64_t refused_ = 0;
-  uint64_t refused_there_ = 0;      // as the present replay counts them
-  bool told_of_forgotten_ = false;  // of the present replay
+  uint64_t refused_there_ = 0;       // as the present replay counts them
+  bool forgotten_reported_ = false;  // of the present replay
   std::unique_ptr<ChunkWriter> chunks_;
   std::unique_ptr<AcknowledgementReader> acknowledgements_;
 

@@ -42,8 +42,8 @@ void DrawLaneCommand(Node parent, const Film& film, const Box& box) {
   for (const LaneCommand& command : kLaneCommands) {
     const auto given = [&](const Moment& moment) { return moment.command->lane == command.lane; };
     const Box button{x, box.y, width, box.height};
-    const Node frame = svg::AddBox(parent, button, {{"rx", "5"}, {"stroke", colour::kLine}});
-    Animate(frame, film, "fill",
+    const Node border = svg::AddBox(parent, button, {{"rx", "5"}, {"stroke", colour::kLine}});
+    Animate(border, film, "fill",
             TrackOf(film, [&](const Moment& m) { return given(m) ? colour::kEgo : colour::kPaper; }),
             Motion::kSteps);
     const Node text = svg::AddText(parent, {button.centre().x, button.centre().y + 4.5}, command.words,

@@ -57,7 +57,7 @@ void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) {
 void BirdsEyeView::DrawRoute(const Pose& ego, double route_s, std::span<uint8_t> plane) {
   const Polyline& line = route_.centre();
   const double end = std::min(route_s + kRouteAhead, line.length());
-  const Frame frame(ego);
+  const LocalFrame frame(ego);
   const auto pixel = [&](Point world) {
     const Point local = frame.ToLocal(world);
     return Point{(kViewSide / 2 - local.y) / kPixelMetres, (kViewSide / 2 - local.x) / kPixelMetres};

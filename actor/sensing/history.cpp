@@ -16,7 +16,7 @@ void WriteAbsent(float* row, int features) {
   row[0] = 1.0f;
 }
 
-void WriteMotion(float* row, const Frame& frame, const Pose& pose, double speed, int lane_index) {
+void WriteMotion(float* row, const LocalFrame& frame, const Pose& pose, double speed, int lane_index) {
   const Point local = frame.ToLocal(pose.position);
   const Point direction = Forward(pose.heading - frame.pose.heading);
   row[0] = 0.0f;
@@ -68,7 +68,7 @@ void History::SelectNearest() {
   nearest_.resize(kept);
 }
 
-void History::WriteVehicleRows(const SocialVehicle& now, const Frame& frame, float* rows) const {
+void History::WriteVehicleRows(const SocialVehicle& now, const LocalFrame& frame, float* rows) const {
   const SocialVehicle* later = &now;
   for (int row = config_.history - 1; row >= 0; --row) {
     float* out = rows + row * kVehicleFeatures;
@@ -90,7 +90,7 @@ void History::WriteVehicles(std::span<float> out) {
   const size_t block = static_cast<size_t>(config_.history * kVehicleFeatures);
   assert(count_ > 0 && out.size() == block * static_cast<size_t>(config_.vehicles));
   SelectNearest();
-  const Frame frame(At(0)->ego.pose);
+  const LocalFrame frame(At(0)->ego.pose);
   for (size_t slot = 0; slot < static_cast<size_t>(config_.vehicles); ++slot) {
     float* rows = out.data() + slot * block;
     if (slot < nearest_.size()) {
@@ -105,7 +105,7 @@ void History::WriteVehicles(std::span<float> out) {
 
 void History::WriteEgo(Point goal, std::span<float> out) const {
   assert(count_ > 0 && out.size() == static_cast<size_t>(config_.history * kEgoFeatures));
-  const Frame frame(At(0)->ego.pose);
+  const LocalFrame frame(At(0)->ego.pose);
   const Point local_goal = frame.ToLocal(goal);
   for (int row = 0; row < config_.history; ++row) {
     float* f = out.data() + row * kEgoFeatures;

@@ -39,7 +39,7 @@ class History {
   // The scene `age` steps ago, null before the spawn.
   const Scene* At(int age) const;
   void SelectNearest();
-  void WriteVehicleRows(const SocialVehicle& now, const Frame& frame, float* rows) const;
+  void WriteVehicleRows(const SocialVehicle& now, const LocalFrame& frame, float* rows) const;
 
   ObservationConfig config_;
   std::vector<Scene> ring_;

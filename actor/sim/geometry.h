@@ -48,8 +48,8 @@ inline double WrapAngle(double angle) {
 }
 
 // A pose to look at many points from.
-struct Frame {
-  explicit Frame(const Pose& at) : pose(at), forward(Forward(at.heading)) {}
+struct LocalFrame {
+  explicit LocalFrame(const Pose& at) : pose(at), forward(Forward(at.heading)) {}
 
   // `point` of the world: x ahead, y to the left.
   Point ToLocal(Point point) const {
@@ -61,6 +61,6 @@ struct Frame {
   Point forward;
 };
 
-inline Point ToLocal(const Pose& frame, Point point) { return Frame(frame).ToLocal(point); }
+inline Point ToLocal(const Pose& pose, Point point) { return LocalFrame(pose).ToLocal(point); }
 
 }  // namespace dadrl

@@ -52,7 +52,7 @@ std::vector<std::string> SumoTraffic::SumoOptions(uint64_t seed) const {
 
 Status SumoTraffic::Load(uint64_t seed, const EgoTraffic& ego) {
   Random driver_random(DeriveSeed(seed, kDriverStream));
-  const std::vector<DriverType> types = DrawDriverTypes(scenario_.driver_types, driver_random);
+  const std::vector<DriverType> types = SampleDriverTypes(scenario_.driver_types, driver_random);
   loop_random_ = Random(DeriveSeed(seed, kLoopStream));
   vehicles_.clear();
   others_.clear();

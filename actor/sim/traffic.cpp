@@ -118,7 +118,7 @@ std::string VehicleClass(const ProfileSettings& profile) {
   return given == nullptr ? kCarClass : *given;
 }
 
-std::vector<DriverType> DrawDriverTypes(int count, Random& random) {
+std::vector<DriverType> SampleDriverTypes(int count, Random& random) {
   std::vector<DriverType> types(static_cast<size_t>(count));
   for (DriverType& type : types) {
     type.speed_factor = random.Uniform(0.6, 1.0);

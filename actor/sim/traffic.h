@@ -28,7 +28,7 @@ bool SaysWhatDrives(const ProfileSettings& profile);
 // SUMO's class of the population: "passenger" unless the profile says otherwise.
 std::string VehicleClass(const ProfileSettings& profile);
 
-std::vector<DriverType> DrawDriverTypes(int count, Random& random);
+std::vector<DriverType> SampleDriverTypes(int count, Random& random);
 
 // How the ego appears to SUMO.
 struct EgoTraffic {

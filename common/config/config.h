@@ -11,7 +11,7 @@ namespace dadrl {
 enum class TrafficProfile { kCalibrated, kPlain };
 enum class EncoderSharing { kSeparate, kShared };
 enum class PublishedPolicy { kAveraged, kCurrent };
-// How the replay chooses an item, to be drawn or to leave.
+// How the replay chooses an item, to be sampled or to leave.
 enum class SamplerKind {
   kUniform,
   kPrioritized,
@@ -97,7 +97,7 @@ struct ReplayConfig {
   double importance_exponent = 0.4;
   int max_times_sampled = 0;                        // 0: no limit
   int max_staleness = 0;                            // policy versions; 0: no limit
-  int sequence_length = 0;                          // decisions of a sequence; 0: none are drawn
+  int sequence_length = 0;                          // decisions of a sequence; 0: none are sampled
   int sequence_period = 1;                          // decisions from the start of one to that of the next
   int64_t max_items = 0;                            // of a shard; 0: as many as the bytes hold
   SamplerKind remover = SamplerKind::kOldestFirst;  // of items beyond max_items

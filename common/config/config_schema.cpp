@@ -134,17 +134,17 @@ void AddReplay(SchemaBuilder& b, Config& c) {
       "one of each chunk");
   const std::vector<std::string> selectors = {"uniform",      "prioritized",      "newest_first",
                                               "oldest_first", "highest_priority", "lowest_priority"};
-  b.AddChoice("replay.sampler", r.sampler, selectors, "How items are drawn");
+  b.AddChoice("replay.sampler", r.sampler, selectors, "How items are sampled");
   b.Add("replay.priority_exponent", r.priority_exponent, 0, 2, "alpha of prioritised replay");
   b.Add("replay.importance_exponent", r.importance_exponent, 0, 2, "beta of prioritised replay");
   b.Add("replay.max_times_sampled", r.max_times_sampled, 0, 1e6, "Samples an item serves; 0 is no limit");
   b.Add("replay.max_staleness", r.max_staleness, 0, 1e9, "Policy versions an item may lag; 0 is no limit");
   b.Add("replay.sequence_length", r.sequence_length, 0, 256,
-        "Decisions of the sequences that recurrent algorithms draw; 0 is none");
+        "Decisions of the sequences that recurrent algorithms sample; 0 is none");
   b.Add("replay.sequence_period", r.sequence_period, 1, 256,
         "Decisions from the start of a sequence to that of the next one");
   b.Add("replay.max_items", r.max_items, 0, kHuge,
-        "Items a shard keeps for drawing; 0 is as many as the bytes hold");
+        "Items a shard keeps for sampling; 0 is as many as the bytes hold");
   b.AddChoice("replay.remover", r.remover, selectors, "Which items leave beyond replay.max_items");
   b.Add("replay.state_interval_s", r.state_interval_s, 0.1, 3600,
         "Seconds between two writes of counters and priorities: what kill -9 costs of them at most");

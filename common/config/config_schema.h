@@ -12,7 +12,7 @@
 
 namespace dadrl {
 
-// The value of `scenario` that means all of them: every episode's seed draws one.
+// The value of `scenario` that means all of them: every episode's seed chooses one.
 inline constexpr const char* kAllScenarios = "all";
 
 struct ConfigField {

@@ -86,14 +86,14 @@ Status CheckStore(const Config& config) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "replay.min_size: {} frames in a shard take more than {} bytes each, replay.max_disk_bytes: {} "
-        "holds less, so nothing would ever be drawn; lower the one or raise the other",
+        "holds less, so nothing would ever be sampled; lower the one or raise the other",
         shard_min_size, frame, replay.max_disk_bytes);
   }
   if (replay.max_items > 0 && replay.max_items < shard_min_size) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "replay.max_items: {} is less than a shard's part of replay.min_size, {}; nothing would ever be "
-        "drawn",
+        "sampled",
         replay.max_items, shard_min_size);
   }
   return {};
@@ -118,27 +118,28 @@ Status CheckRates(const Config& config) {
   return {};
 }
 
-Status CheckDraws(const Config& config) {
+Status CheckSampling(const Config& config) {
   const ReplayConfig& replay = config.replay;
   if (replay.sequence_period > std::max(replay.sequence_length, 1)) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never be drawn",
-        replay.sequence_period, replay.sequence_length);
+    return Fail(ErrorCode::kInvalidArgument,
+                "replay.sequence_period: {} exceeds replay.sequence_length: {}; frames between would never "
+                "be sampled",
+                replay.sequence_period, replay.sequence_length);
   }
   const int times = std::max(replay.max_times_sampled, 1);
   const int64_t items_of_a_batch = (config.algorithm.batch_size + times - 1) / times;
   if (replay.max_items > 0 && replay.max_times_sampled > 0 && replay.max_items < items_of_a_batch) {
     return Fail(ErrorCode::kInvalidArgument,
                 "replay.max_items: {} items of replay.max_times_sampled: {} never make a batch of "
-                "algorithm.batch_size: {}; nothing would ever be drawn",
+                "algorithm.batch_size: {}; nothing would ever be sampled",
                 replay.max_items, replay.max_times_sampled, config.algorithm.batch_size);
   }
   const bool random = replay.sampler == SamplerKind::kUniform || replay.sampler == SamplerKind::kPrioritized;
   if (!random && replay.max_times_sampled == 0) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "replay.max_times_sampled: 0 with an ordered replay.sampler draws one item for ever; set it "
-                "to at least 1");
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "replay.max_times_sampled: 0 with an ordered replay.sampler samples one item for ever; set it "
+        "to at least 1");
   }
   return {};
 }
@@ -180,7 +181,7 @@ Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckBatch(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));
-  DADRL_RETURN_IF_ERROR(CheckDraws(config));
+  DADRL_RETURN_IF_ERROR(CheckSampling(config));
   DADRL_RETURN_IF_ERROR(CheckInterval("replay.snapshot_interval_s", config.replay.snapshot_interval_s));
   DADRL_RETURN_IF_ERROR(CheckInterval("evaluation.interval_s", config.evaluation.interval_s));
   return CheckCluster(config.cluster);

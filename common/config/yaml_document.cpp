@@ -58,7 +58,7 @@ class Builder : public YAML::EventHandler {
  private:
   // A list or a map whose end has not come. The nodes around it do not move until then: only the innermost
   // grows.
-  struct Frame {
+  struct OpenNode {
     YamlNode* node;
     std::set<std::string> keys;
     bool key_read = false;
@@ -85,26 +85,26 @@ class Builder : public YAML::EventHandler {
   YamlNode* Add(const YAML::Mark& mark, YamlNode::Kind kind, const std::string& text) {
     YamlNode node{.kind = kind, .line = LineOf(mark), .text = text, .items = {}, .entries = {}};
     if (open_.empty()) return &(root_ = std::move(node));
-    Frame& frame = open_.back();
-    if (frame.node->IsList()) return &frame.node->items.emplace_back(std::move(node));
-    if (!frame.key_read) return AddKey(node);
-    frame.key_read = false;
-    return &(frame.node->entries.back().value = std::move(node));
+    OpenNode& open = open_.back();
+    if (open.node->IsList()) return &open.node->items.emplace_back(std::move(node));
+    if (!open.key_read) return AddKey(node);
+    open.key_read = false;
+    return &(open.node->entries.back().value = std::move(node));
   }
 
   YamlNode* AddKey(const YamlNode& node) {
     if (!node.IsScalar()) throw Refusal{node.line, "a key must be one word"};
-    Frame& frame = open_.back();
-    if (!frame.keys.insert(node.text).second) {
+    OpenNode& open = open_.back();
+    if (!open.keys.insert(node.text).second) {
       throw Refusal{node.line, fmt::format("the key '{}' stands here a second time", Shown(node.text))};
     }
-    frame.node->entries.push_back({.key = node.text, .line = node.line, .value = {}});
-    frame.key_read = true;
+    open.node->entries.push_back({.key = node.text, .line = node.line, .value = {}});
+    open.key_read = true;
     return nullptr;
   }
 
   YamlNode root_;
-  std::vector<Frame> open_;
+  std::vector<OpenNode> open_;
   int nodes_ = 0;
 };
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr size_t kDigits = 32;
 
-Result<std::string> DrawKey() {
+Result<std::string> RandomKey() {
   std::array<uint8_t, kDigits / 2> bits{};
   if (getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size())) {
     return Fail(ErrorCode::kInternal, "cannot draw the run's key: {}", std::strerror(errno));
@@ -54,7 +54,7 @@ Result<std::string> LoadRunKey(const std::filesystem::path& run_directory) {
 Result<std::string> EnsureRunKey(const std::filesystem::path& run_directory) {
   DADRL_ASSIGN_OR_RETURN(std::string key, LoadRunKey(run_directory));
   if (!key.empty()) return key;
-  DADRL_ASSIGN_OR_RETURN(key, DrawKey());
+  DADRL_ASSIGN_OR_RETURN(key, RandomKey());
   DADRL_RETURN_IF_ERROR(SaveRunKey(run_directory, key));
   return key;
 }

@@ -33,7 +33,7 @@ class PolicyModel {
   // random until it has parameters, the first Act may come later than the episode's first decision.
   virtual void BeginEpisode() {}
 
-  // An action drawn with noise from `random`, or the likeliest when `random` is null. Requires a Load; the
+  // An action sampled with noise from `random`, or the likeliest when `random` is null. Requires a Load; the
   // observation must be of the model's configuration.
   virtual Action Act(const Observation& observation, Random* random) = 0;
 
@@ -46,7 +46,7 @@ class PolicyModel {
     std::vector<float> attention;  // [vehicles], sums to at most 1; empty where the model attends to none
     std::optional<float> value;    // of the observation, where the model estimates it: the return to come
     std::optional<float>
-        log_probability;           // density of the drawn action in (-1, 1)^2, nats; none of the likeliest
+        log_probability;           // density of the sampled action in (-1, 1)^2, nats; none of the likeliest
     std::vector<Numbers> numbers;  // what else it says, the same names in the same order each time
 
     // Empty when there are none of that name.

@@ -56,7 +56,7 @@ class SquashedGaussianPolicy final : public PolicyModel {
  private:
   void Pack();
   void Encode(const Observation& observation);
-  Action Draw(Random& random);
+  Action Sample(Random& random);
 
   const nn::GaussianLimits limits_;
   const PolicyNetwork network_;
@@ -136,7 +136,7 @@ Action SquashedGaussianPolicy::Act(const Observation& observation, Random* rando
     const double log_std = stack_.result[kActionSize + i];
     log_std_[i] = static_cast<float>(std::clamp(log_std, limits_.log_std_min, limits_.log_std_max));
   }
-  if (random != nullptr) return Draw(*random);
+  if (random != nullptr) return Sample(*random);
   details_.log_probability.reset();
   Action action;
   std::ranges::transform(mean_, action.begin(),
@@ -144,7 +144,7 @@ Action SquashedGaussianPolicy::Act(const Observation& observation, Random* rando
   return action;
 }
 
-Action SquashedGaussianPolicy::Draw(Random& random) {
+Action SquashedGaussianPolicy::Sample(Random& random) {
   Action action;
   double log_probability = 0.0;
   for (size_t i = 0; i < kActionSize; ++i) {

@@ -20,7 +20,7 @@ constexpr std::array kDescriptions = {
     Description{"sync", "a power cut would lose what was stored since", "stored experience is forced again"},
     Description{"state", "a restart would begin with older counters and priorities",
                 "counters and priorities are saved again"},
-    Description{"damage", "what cannot be read is not drawn any more", "nothing is damaged"},
+    Description{"damage", "what cannot be read is not sampled any more", "nothing is damaged"},
     Description{"snapshot", "no automatic snapshot is taken", "snapshots are taken again"},
     Description{"snapshot_space", "the disk may become full", "snapshots fit again"},
     Description{"checkpoint", "training goes on; a restart would go back to the last checkpoint",
@@ -48,7 +48,7 @@ void FaultBoard::Report(FaultKind kind, const Status& outcome) {
   MutexLock lock(mutex_);
   std::optional<Lasting>& lasting = lasting_[static_cast<size_t>(kind)];
   if (outcome.has_value() != lasting.has_value()) return;  // no news
-  const bool says = log_ == Log::kSays;
+  const bool says = logging_ == Logging::kOn;
   if (outcome) {
     if (says) spdlog::info("{}, after {:.0f} s", FaultOver(kind), ToSeconds(clock_.Now() - lasting->since));
     lasting.reset();

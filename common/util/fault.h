@@ -51,10 +51,11 @@ struct Fault {
 class FaultBoard {
  public:
   // Whether the log says when each begins and when it is over.
-  enum class Log { kSays, kIsSilent };
+  enum class Logging { kOn, kOff };
 
   // Borrows `clock`.
-  explicit FaultBoard(const Clock& clock, Log log = Log::kSays) : clock_(clock), log_(log) {}
+  explicit FaultBoard(const Clock& clock, Logging logging = Logging::kOn)
+      : clock_(clock), logging_(logging) {}
 
   // The outcome of an attempt at what `kind` is about: an error begins or prolongs the fault (the first text
   // stays), success ends it.
@@ -75,7 +76,7 @@ class FaultBoard {
   std::string HeldUpBy() const DADRL_REQUIRES(mutex_);
 
   const Clock& clock_;
-  const Log log_;
+  const Logging logging_;
   mutable Mutex mutex_;
   std::function<void(std::string_view)> follower_ DADRL_GUARDED_BY(mutex_);
   std::array<std::optional<Lasting>, static_cast<size_t>(FaultKind::kCount)> lasting_

@@ -7,7 +7,7 @@ namespace dadrl {
 
 Command MakeAlgorithmsCommand(CLI::App& dadrl) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* app = dadrl.add_subcommand("algorithms", "List the learning algorithms, a sentence each");
+  CLI::App* app = dadrl.add_subcommand("algorithms", "List the learning algorithms, a description each");
   app->add_flag("--json", *json, "One JSON object on standard output: what each reports and needs, too");
   app->footer(
       "--set algorithm.name=NAME chooses one, and with it the preset NAME.yaml below --config and --set:\n"

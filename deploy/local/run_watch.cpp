@@ -17,7 +17,7 @@ RunPresence::Verdict RunPresence::Update(bool there, bool ending, TimePoint now)
     there_ = present;
     changed_ = now;
     next_notice_ = now + kFirstNotice;
-    if (present && std::exchange(told_, false)) notice_ = fmt::format("the run at {} is back", run_);
+    if (present && std::exchange(reported_, false)) notice_ = fmt::format("the run at {} is back", run_);
   }
   if (present) return Verdict::kThere;
   const Duration away = now - changed_;
@@ -25,7 +25,7 @@ RunPresence::Verdict RunPresence::Update(bool there, bool ending, TimePoint now)
   if (away >= kPatience) return Verdict::kGivenUp;
   if (now >= next_notice_) {
     next_notice_ = now + kNoticeInterval;
-    told_ = true;
+    reported_ = true;
     notice_ = fmt::format(
         "the run at {} has not answered for {:.0f} s, and did not say that it ends: the actors wait for it, "
         "at "

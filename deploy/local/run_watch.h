@@ -45,7 +45,7 @@ class RunPresence {
   bool there_ = true;
   TimePoint changed_;
   TimePoint next_notice_{};
-  bool told_ = false;  // that it is away
+  bool reported_ = false;  // that it is away
   std::optional<std::string> notice_;
 };
 

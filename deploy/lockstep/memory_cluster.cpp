@@ -15,7 +15,7 @@ constexpr uint64_t kIncarnation = 1;
 // Of the cluster's clock: far more than it takes to send anything again.
 constexpr Duration kPatience = std::chrono::minutes(1);
 
-// A batch is drawn after the update before it, with its priorities.
+// A batch is sampled after the update before it, with its priorities.
 Config OneOfEach(Config config) {
   config.replay.shards = 1;
   config.replay.min_samples_per_insert = 0.0;

@@ -73,7 +73,7 @@ std::string FaultText(const ProcessFault& fault) {
 
 // What holds up a process reaches the launcher twice, by its page of memory and by telemetry: cut short, and
 // whole.
-bool IsToldWhole(const std::string& trouble, const std::vector<ProcessFault>& faults) {
+bool IsShownWhole(const std::string& trouble, const std::vector<ProcessFault>& faults) {
   return std::ranges::any_of(faults, [&](const ProcessFault& fault) {
     return fmt::format("{}: {}", fault.process, fault.fault.text).starts_with(trouble);
   });
@@ -82,7 +82,7 @@ bool IsToldWhole(const std::string& trouble, const std::vector<ProcessFault>& fa
 void AddFaults(const Progress& progress, Lines& lines) {
   std::vector<std::string> faults;
   for (const std::string& trouble : progress.faults) {
-    if (!IsToldWhole(trouble, progress.summary.faults)) faults.push_back(trouble);
+    if (!IsShownWhole(trouble, progress.summary.faults)) faults.push_back(trouble);
   }
   for (const ProcessFault& fault : progress.summary.faults) faults.push_back(FaultText(fault));
   constexpr size_t kMost = 3;

@@ -12,8 +12,8 @@
 namespace dadrl {
 
 struct AlgorithmEntry {
-  std::string_view name;      // algorithm.name; its preset is deploy/config/algorithms/NAME.yaml
-  std::string_view sentence;  // what it is, for users
+  std::string_view name;         // algorithm.name; its preset is deploy/config/algorithms/NAME.yaml
+  std::string_view description;  // what it is, for users
   AlgorithmSpec (*spec)(const Config& config);
   std::unique_ptr<Algorithm> (*make)(const Config& config);
 };

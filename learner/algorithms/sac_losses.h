@@ -9,7 +9,7 @@
 
 namespace dadrl {
 
-// Draws an action at each sample from workspace.policy_output, with noise [batch, 2], into workspace.actions
+// Samples an action for each row of workspace.policy_output, with noise [batch, 2], into workspace.actions
 // and into the two action rows of `critic_input` [blocks][features + 2][16].
 void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, std::span<const float> noise,
                    nn::LaneSpan critic_input, int features);

@@ -16,13 +16,13 @@ class HeapSelector final : public Selector {
   void Insert(uint32_t slot, double priority) override;
   void Delete(uint32_t slot) override;
   void Update(uint32_t slot, double priority) override;
-  Draw Sample(Random&) override { return {heap_.front().slot, 1.0}; }
+  Choice Sample(Random&) override { return {heap_.front().slot, 1.0}; }
   size_t size() const override { return heap_.size(); }
   size_t bytes_per_item() const override { return sizeof(Entry) + sizeof(uint32_t); }
 
  private:
   struct Entry {
-    double cost = 0.0;   // the lowest is drawn
+    double cost = 0.0;   // the lowest is sampled
     uint64_t since = 0;  // counts inserts and updates
     uint32_t slot = 0;
     bool operator<(const Entry& other) const {

@@ -15,7 +15,7 @@ class OrderedSelector final : public Selector {
   void Insert(uint32_t slot, double priority) override;
   void Delete(uint32_t slot) override;
   void Update(uint32_t, double) override {}
-  Draw Sample(Random&) override {
+  Choice Sample(Random&) override {
     return {(order_ == Order::kNewestFirst ? links_[0].previous : links_[0].next) - 1, 1.0};
   }
   size_t size() const override { return size_; }

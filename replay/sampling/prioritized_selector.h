@@ -23,7 +23,7 @@ class PrioritizedSelector final : public Selector {
     --size_;
   }
   void Update(uint32_t slot, double priority) override { tree_.Set(slot, Weight(priority)); }
-  Draw Sample(Random& random) override {
+  Choice Sample(Random& random) override {
     const size_t slot = tree_.Find(random.Uniform() * tree_.total());
     return {static_cast<uint32_t>(slot), tree_.Get(slot) / tree_.total()};
   }
@@ -31,7 +31,7 @@ class PrioritizedSelector final : public Selector {
   size_t bytes_per_item() const override { return SumTree::kBytesPerWeight; }
 
  private:
-  // Kept above 0: an item whose error vanished is as good as never drawn, but it is there.
+  // Kept above 0: an item whose error vanished is as good as never sampled, but it is there.
   double Weight(double priority) const { return std::max(std::pow(priority, exponent_), kMinWeight); }
 
   static constexpr double kMinWeight = 1e-12;

@@ -1,5 +1,5 @@
-// How items are chosen, to be drawn (sampler) or to leave (remover). Items are small integers ("slots") that
-// the table hands out densely and reuses.
+// How items are chosen, to be sampled (sampler) or to leave (remover). Items are small integers ("slots")
+// that the table hands out densely and reuses.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace dadrl {
 // Not thread safe. Every operation is O(1) or O(log n); memory is O(largest slot).
 class Selector {
  public:
-  struct Draw {
+  struct Choice {
     uint32_t slot = 0;
-    double probability = 1.0;  // of this slot in this draw
+    double probability = 1.0;  // of this slot in this sample
   };
 
   virtual ~Selector() = default;
@@ -26,10 +26,10 @@ class Selector {
   virtual void Delete(uint32_t slot) = 0;
   virtual void Update(uint32_t slot, double priority) = 0;
   // Not empty.
-  virtual Draw Sample(Random& random) = 0;
+  virtual Choice Sample(Random& random) = 0;
   // The same as one Sample after the other, perhaps faster.
-  virtual void SampleMany(Random& random, std::span<Draw> draws) {
-    for (Draw& draw : draws) draw = Sample(random);
+  virtual void SampleMany(Random& random, std::span<Choice> choices) {
+    for (Choice& choice : choices) choice = Sample(random);
   }
   virtual size_t size() const = 0;
   // Memory an item costs, for the bound on it.

@@ -1,4 +1,4 @@
-// Weights with their running sums: draws an index in proportion to its weight.
+// Weights with their running sums: samples an index in proportion to its weight.
 //
 // Eight children a node, one cache line of doubles each: a million weights are seven lines deep. Sums are
 // recomputed from their children on every change, so they do not drift.
@@ -13,7 +13,7 @@ namespace dadrl {
 // Not thread safe.
 class SumTree {
  public:
-  // Grows the tree as needed; `weight` is finite and not negative, 0 is never drawn.
+  // Grows the tree as needed; `weight` is finite and not negative, 0 is never sampled.
   void Set(size_t index, double weight);
   double Get(size_t index) const { return index < capacity() ? levels_.front()[index] : 0.0; }
   double total() const { return total_; }

@@ -17,14 +17,14 @@ void UniformSelector::Delete(uint32_t slot) {
   slots_.pop_back();
 }
 
-void UniformSelector::SampleMany(Random& random, std::span<Draw> draws) {
+void UniformSelector::SampleMany(Random& random, std::span<Choice> choices) {
   // Asked for before the first is read, so that the cache misses overlap.
-  for (Draw& draw : draws) {
-    draw.slot = static_cast<uint32_t>(random.Below(slots_.size()));
-    Prefetch(&slots_[draw.slot], 1);
+  for (Choice& choice : choices) {
+    choice.slot = static_cast<uint32_t>(random.Below(slots_.size()));
+    Prefetch(&slots_[choice.slot], 1);
   }
   const double probability = 1.0 / static_cast<double>(slots_.size());
-  for (Draw& draw : draws) draw = {slots_[draw.slot], probability};
+  for (Choice& choice : choices) choice = {slots_[choice.slot], probability};
 }
 
 }  // namespace dadrl

@@ -12,10 +12,10 @@ class UniformSelector final : public Selector {
   void Insert(uint32_t slot, double priority) override;
   void Delete(uint32_t slot) override;
   void Update(uint32_t, double) override {}
-  Draw Sample(Random& random) override {
+  Choice Sample(Random& random) override {
     return {slots_[random.Below(slots_.size())], 1.0 / static_cast<double>(slots_.size())};
   }
-  void SampleMany(Random& random, std::span<Draw> draws) override;
+  void SampleMany(Random& random, std::span<Choice> choices) override;
   size_t size() const override { return slots_.size(); }
   size_t bytes_per_item() const override { return 2 * sizeof(uint32_t); }
 

@@ -78,10 +78,10 @@ void BatchServer::Work(const std::atomic<bool>& stop) {
 
 void BatchServer::Step(Outgoing& outgoing) {
   if (!outgoing.request) {
-    std::optional<Drawn> drawn = AwaitLead();
-    if (!drawn) return;
-    outgoing.request = drawn->request;
-    outgoing.bytes = Read(std::move(*drawn), std::move(outgoing.bytes));
+    std::optional<SampledRequest> sampled = AwaitLead();
+    if (!sampled) return;
+    outgoing.request = sampled->request;
+    outgoing.bytes = Read(std::move(*sampled), std::move(outgoing.bytes));
   }
   if (!Send(*outgoing.request, outgoing.bytes)) return;
   MutexLock serving(serving_mutex_);
@@ -89,14 +89,14 @@ void BatchServer::Step(Outgoing& outgoing) {
   outgoing.request.reset();
 }
 
-std::optional<BatchServer::Drawn> BatchServer::AwaitLead() {
+std::optional<BatchServer::SampledRequest> BatchServer::AwaitLead() {
   std::optional<Resting> resting(std::in_place);  // the one that leads beats
   MutexLock leading(lead_);
   resting.reset();
   return Lead();
 }
 
-std::optional<BatchServer::Drawn> BatchServer::Lead() {
+std::optional<BatchServer::SampledRequest> BatchServer::Lead() {
   // While there is enough to do, what came since can wait: several at once cost little more than one.
   if (queue_.size() < kFewPending || waited_) {
     TakeRequests();
@@ -108,15 +108,15 @@ std::optional<BatchServer::Drawn> BatchServer::Lead() {
   bool held = false;
   // A batch that nobody receives is lost, and its samples are spent.
   if (!queue_.empty() && endpoints_.replies->matched() > 0) {
-    if (Result<DrawnItems> items = Draw(queue_.front())) {
+    if (Result<SampledItems> items = SampleItems(queue_.front())) {
       ledger_.Enter(Activity::kWork);  // ends the wait; looking whether it is over does not
-      Drawn drawn{queue_.front(), std::move(*items)};
+      SampledRequest sampled{queue_.front(), std::move(*items)};
       queue_.Pop();
       MutexLock serving(serving_mutex_);
-      serving_.push_back(drawn.request.id);
-      return drawn;
+      serving_.push_back(sampled.request.id);
+      return sampled;
     }
-    SayWithheld();
+    ReplyWithheld();
     held = true;
   }
   ledger_.Enter(held ? Activity::kWaitForInserts : Activity::kWaitForCredits);
@@ -185,29 +185,29 @@ void BatchServer::TakePriorities() {
   });
 }
 
-Result<DrawnItems> BatchServer::Draw(const Request& request) {
+Result<SampledItems> BatchServer::SampleItems(const Request& request) {
   if (table_.MaySample(request.shape) != RateLimiter::Hold::kNone) {
     return Fail(ErrorCode::kUnavailable, "not now");
   }
-  Result<DrawnItems> items = table_.Draw(request.shape, request.policy_version);
+  Result<SampledItems> items = table_.SampleItems(request.shape, request.policy_version);
   if (items) on_sample_();
   return items;
 }
 
-void BatchServer::SayWithheld() {
+void BatchServer::ReplyWithheld() {
   std::vector<std::byte> nothing;
   for (Request& request : queue_.pending()) {
-    if (request.told) continue;
+    if (request.notified) continue;
     // The rest would block in vain, too, each for the time-out of the topic, and nobody else could lead.
     if (!Reply(request, nothing)) return;
-    request.told = true;
+    request.notified = true;
   }
 }
 
-std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> memory) {
-  const TrajectoryShape& shape = drawn.request.shape;
+std::vector<std::byte> BatchServer::Read(SampledRequest sampled, std::vector<std::byte> memory) {
+  const TrajectoryShape& shape = sampled.request.shape;
   const auto encode = [&]() -> Result<std::vector<std::byte>> {
-    DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, ReadTrajectories(std::move(drawn.items), shape));
+    DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, ReadTrajectories(std::move(sampled.items), shape));
     DADRL_RETURN_IF_ERROR(CheckSendable(shape, TrajectoriesBytes(batch.trajectories)));
     auto encoded = EncodeTrajectories(batch.trajectories, shape, table_.schema(), std::move(memory));
     DADRL_RETURN_IF_ERROR(CheckReadable(batch.segments));
@@ -216,10 +216,10 @@ std::vector<std::byte> BatchServer::Read(Drawn drawn, std::vector<std::byte> mem
   Result<std::vector<std::byte>> bytes = encode();
   if (bytes) return std::move(*bytes);
   if (bytes.error().code == ErrorCode::kInvalidArgument) {
-    Refuse(drawn.request, bytes.error().message);
+    Refuse(sampled.request, bytes.error().message);
     return {};
   }
-  // The learner asks again; what cannot be read is not drawn then.
+  // The learner asks again; what cannot be read is not sampled then.
   const Status readable = table_.DropDamaged();
   ProcessFaults().Report(FaultKind::kDamage, readable);
   if (readable) spdlog::error("{}", bytes.error().message);

@@ -21,8 +21,8 @@
 namespace dadrl {
 
 // One thread runs Run, which starts the others, all of them WorkingThreads, or each calls Step; statistics,
-// ledger and Wake are for any. The threads take turns: one leads, that is, waits for requests and draws the
-// next batch; then another leads while it reads, serialises and sends that batch. Batches are drawn in the
+// ledger and Wake are for any. The threads take turns: one leads, that is, waits for requests and samples the
+// next batch; then another leads while it reads, serialises and sends that batch. Batches are sampled in the
 // order of their requests, and may overtake each other on their way out. What waits, and whose it is:
 // request_queue.h.
 class BatchServer {
@@ -37,7 +37,7 @@ class BatchServer {
     uint64_t refused_requests = 0;  // that could never be served
   };
 
-  // Borrows `table` and `clock`. `on_sample` is called after a batch was drawn: inserts may have been held
+  // Borrows `table` and `clock`. `on_sample` is called after a batch was sampled: inserts may have been held
   // back for it.
   static Result<std::unique_ptr<BatchServer>> Create(const Transport& transport, uint32_t shard,
                                                      ReplayTable& table, Clock& clock,
@@ -48,7 +48,7 @@ class BatchServer {
     std::optional<RequestQueue::Request> request;  // nothing: no batch
     std::vector<std::byte> bytes;                  // kept for the next batch's memory
   };
-  // Leads when it is the caller's turn, which draws and serialises the next batch if there may be one, or
+  // Leads when it is the caller's turn, which samples and serialises the next batch if there may be one, or
   // waits a little for that; tries to send what it has.
   void Step(Outgoing& outgoing) DADRL_EXCLUDES(lead_);
   void Run(const std::atomic<bool>& stop);
@@ -67,10 +67,10 @@ class BatchServer {
   };
   using RequestId = RequestQueue::Id;
   using Request = RequestQueue::Request;
-  // A request whose batch is drawn, and which is in `serving_`.
-  struct Drawn {
+  // A request whose batch is sampled, and which is in `serving_`.
+  struct SampledRequest {
     Request request;
-    DrawnItems items;
+    SampledItems items;
   };
 
   BatchServer(Endpoints endpoints, uint32_t shard, ReplayTable& table, Clock& clock,
@@ -78,20 +78,20 @@ class BatchServer {
   void Work(const std::atomic<bool>& stop);
 
   // Leads when it is this thread's turn.
-  std::optional<Drawn> AwaitLead() DADRL_EXCLUDES(lead_);
+  std::optional<SampledRequest> AwaitLead() DADRL_EXCLUDES(lead_);
   // Waits a little for requests; the next one's batch when it may be served.
-  std::optional<Drawn> Lead() DADRL_REQUIRES(lead_);
+  std::optional<SampledRequest> Lead() DADRL_REQUIRES(lead_);
   void TakeRequests() DADRL_REQUIRES(lead_);
   void OnRequest(const dadrl_idl_BatchRequest& message) DADRL_REQUIRES(lead_);
   // Whether the request can ever be served; its message is for the learner.
   Status Check(const dadrl_idl_BatchRequest& message, const TrajectoryShape& shape) const;
   void Refuse(const Request& request, const std::string& reason);
   void TakePriorities() DADRL_REQUIRES(lead_);
-  Result<DrawnItems> Draw(const Request& request) DADRL_REQUIRES(lead_);
-  void SayWithheld() DADRL_REQUIRES(lead_);
+  Result<SampledItems> SampleItems(const Request& request) DADRL_REQUIRES(lead_);
+  void ReplyWithheld() DADRL_REQUIRES(lead_);
 
   // Serialises a batch into `memory`; empty when it cannot be sent.
-  std::vector<std::byte> Read(Drawn drawn, std::vector<std::byte> memory);
+  std::vector<std::byte> Read(SampledRequest sampled, std::vector<std::byte> memory);
   // True when there is nothing more to do: it is sent, refused for good, or its learner replaced.
   bool Send(const Request& request, std::vector<std::byte>& bytes) DADRL_EXCLUDES(lead_);
   bool Serves(const RequestId& id) const DADRL_EXCLUDES(serving_mutex_);
@@ -110,7 +110,7 @@ class BatchServer {
   RequestQueue queue_ DADRL_GUARDED_BY(lead_);
   bool waited_ DADRL_GUARDED_BY(lead_) = false;
   mutable Mutex serving_mutex_;
-  std::vector<RequestId> serving_ DADRL_GUARDED_BY(serving_mutex_);  // drawn, not sent yet
+  std::vector<RequestId> serving_ DADRL_GUARDED_BY(serving_mutex_);  // sampled, not sent yet
   std::atomic<bool> waiting_{false};
   std::atomic<uint64_t> batches_{0};
   std::atomic<uint64_t> bytes_{0};

@@ -37,7 +37,7 @@ class Ingest {
   void Step();
   // Steps until `stop`; then takes what has arrived, and says so to the actors.
   void Run(const std::atomic<bool>& stop);
-  // Looks again at what the limiter grants: samples were drawn. Cheap when it withholds nothing.
+  // Looks again at what the limiter grants: a batch was sampled. Cheap when it withholds nothing.
   void Wake();
   // Work, and waits for the disk and for samples.
   const TimeLedger& ledger() const { return ledger_; }

@@ -49,7 +49,7 @@ LeaseTable::Answer LeaseTable::AskOwn(uint32_t number, Lease& lease, const Reque
   }
   if (request.start > lease.start) {
     const uint64_t fresh = std::max({request.start, lease.incarnation + 1, least});
-    return Give(number, request, request.incarnation > lease.incarnation ? request.incarnation : fresh, now);
+    return Grant(number, request, request.incarnation > lease.incarnation ? request.incarnation : fresh, now);
   }
   lease.renewed = now;
   lease.left = request.leaving;
@@ -59,10 +59,10 @@ LeaseTable::Answer LeaseTable::AskOwn(uint32_t number, Lease& lease, const Reque
 LeaseTable::Answer LeaseTable::AskOthers(uint32_t number, Lease& lease, const Request& request, TimePoint now,
                                          uint64_t least) {
   // Shown by one that got it later, before this process began.
-  if (request.incarnation > lease.incarnation) return Give(number, request, request.incarnation, now);
+  if (request.incarnation > lease.incarnation) return Grant(number, request, request.incarnation, now);
   const bool live = Live(lease, now);
   if (request.incarnation == 0 && !live) {
-    return Give(number, request, std::max({request.start, lease.incarnation + 1, least}), now);
+    return Grant(number, request, std::max({request.start, lease.incarnation + 1, least}), now);
   }
   const double seconds = ToSeconds(now - lease.since);
   if (request.incarnation != 0) {
@@ -87,17 +87,17 @@ LeaseTable::Answer LeaseTable::AskFree(uint32_t number, const Request& request, 
     return {.verdict = LeaseVerdict::kHeld,
             .reason = fmt::format("all {} actor numbers are taken", kMaxLeases)};
   }
-  if (request.incarnation != 0) return Give(number, request, request.incarnation, now);
+  if (request.incarnation != 0) return Grant(number, request, request.incarnation, now);
   if (number >= reserved_ && now - opened_ < kLeaseTerm) {
     return {.verdict = LeaseVerdict::kWait,
             .number = number,
             .reason = "the replay has just started, and hears first who has which number"};
   }
-  return Give(number, request, std::max(request.start, least), now);
+  return Grant(number, request, std::max(request.start, least), now);
 }
 
-LeaseTable::Answer LeaseTable::Give(uint32_t number, const Request& request, uint64_t incarnation,
-                                    TimePoint now) {
+LeaseTable::Answer LeaseTable::Grant(uint32_t number, const Request& request, uint64_t incarnation,
+                                     TimePoint now) {
   Lease& lease = leases_[number];
   if (lease.token != request.token) by_token_.erase(lease.token);
   lease = {.token = request.token,

@@ -66,7 +66,7 @@ class LeaseTable {
   Answer AskOwn(uint32_t number, Lease& lease, const Request& request, TimePoint now, uint64_t least);
   Answer AskOthers(uint32_t number, Lease& lease, const Request& request, TimePoint now, uint64_t least);
   Answer AskFree(uint32_t number, const Request& request, TimePoint now, uint64_t least);
-  Answer Give(uint32_t number, const Request& request, uint64_t incarnation, TimePoint now);
+  Answer Grant(uint32_t number, const Request& request, uint64_t incarnation, TimePoint now);
 
   const uint32_t reserved_;
   uint32_t next_any_;

@@ -65,8 +65,10 @@ Status ReplayService::Join() {
   envelope_.emplace(
       StatusEnvelope::Sender{dds::Role::kReplay, static_cast<int>(options_.shard), options_.incarnation},
       clock_, server_->ledger(), started_);
-  keeper_ = std::make_unique<Keeper>(config.replay, options_.shard, options_.run_directory, *table_, clock_);
-  DADRL_ASSIGN_OR_RETURN(commands_, CommandDesk::Create(*node_, options_.shard, *table_, *keeper_, [this] {
+  maintenance_ =
+      std::make_unique<Maintenance>(config.replay, options_.shard, options_.run_directory, *table_, clock_);
+  DADRL_ASSIGN_OR_RETURN(commands_,
+                         CommandServer::Create(*node_, options_.shard, *table_, *maintenance_, [this] {
                            ingest_->Wake();
                            server_->Wake();
                          }));
@@ -83,7 +85,7 @@ Status ReplayService::AnnounceRun() {
   DADRL_ASSIGN_OR_RETURN(run_config_, Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
   DADRL_RETURN_IF_ERROR(run_config_->Write(message));
   DADRL_ASSIGN_OR_RETURN(run_state_, Writer<dadrl_idl_RunState>::Create(*node_, kRunStateTopic));
-  SayState(false);
+  PublishState(false);
   DADRL_RETURN_IF_ERROR(OpenLeases());
   if (!config.telemetry.enabled) return {};
   DADRL_ASSIGN_OR_RETURN(relay_, TelemetryRelay::Create(*node_, config.cluster));
@@ -96,12 +98,12 @@ Status ReplayService::OpenLeases() {
     least = std::max(least, stream.incarnation + 1);
   }
   DADRL_ASSIGN_OR_RETURN(leases_,
-                         LeaseOffice::Create(*node_, options_.config, table_->schema(), least, clock_));
+                         LeaseServer::Create(*node_, options_.config, table_->schema(), least, clock_));
   return {};
 }
 
 // Whoever has joined waits for a replay that was killed, and not for one that ends with its run.
-void ReplayService::SayState(bool ending) {
+void ReplayService::PublishState(bool ending) {
   if (!run_state_) return;
   const dadrl_idl_RunState state{
       .port = options_.config.cluster.port, .incarnation = options_.incarnation, .ending = ending};
@@ -114,7 +116,7 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   std::atomic<bool> stopping{false};
   std::thread ingest([&] { ingest_->Run(stopping); });
   std::thread server([&] { server_->Run(stopping); });
-  std::thread keeper([&] { keeper_->Run(stopping); });
+  std::thread maintenance([&] { maintenance_->Run(stopping); });
   const ReplayTable::Stats stats = table_->stats();
   spdlog::info("shard {} serves {} frames ({} MB on disk)", options_.shard, stats.frames_held,
                stats.disk_bytes / 1000000);
@@ -131,11 +133,11 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
     commands_->Serve();
     clock_.SleepFor(kTick);
   }
-  SayState(true);
+  PublishState(true);
   stopping = true;
   ingest.join();
   server.join();
-  keeper.join();
+  maintenance.join();
   PublishStatus();
   DADRL_RETURN_IF_ERROR(table_->Sync());
   DADRL_RETURN_IF_ERROR(table_->SaveState());
@@ -158,7 +160,7 @@ void ReplayService::PublishStatus() {
   status[Metric::kFramesHeld] = static_cast<double>(table.frames_held);
   status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
   status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
-  status[Metric::kSnapshotBytes] = static_cast<double>(keeper_->snapshot_bytes());
+  status[Metric::kSnapshotBytes] = static_cast<double>(maintenance_->snapshot_bytes());
   // From the ingest thread come only the waits it alone has.
   const ActivityTotals ingest = ingest_->ledger().Read();
   for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {

@@ -2,7 +2,7 @@
 //
 //   ingest thread   chunks -> table, acknowledgements; the only one that writes experience
 //   server thread   requests -> batches, priorities
-//   keeper thread   what blocks on the disk: syncs, state, snapshots (keeper.h)
+//   maintenance thread  what blocks on the disk: syncs, state, snapshots (maintenance.h)
 //   caller of Run   what never blocks: commands, leases of actor numbers, telemetry, waits for the end
 #pragma once
 
@@ -20,10 +20,10 @@
 #include "proto/status_envelope.h"
 #include "proto/topics.h"
 #include "replay/service/batch_server.h"
-#include "replay/service/command_desk.h"
+#include "replay/service/command_server.h"
 #include "replay/service/ingest.h"
-#include "replay/service/keeper.h"
-#include "replay/service/lease_office.h"
+#include "replay/service/lease_server.h"
+#include "replay/service/maintenance.h"
 #include "replay/service/telemetry_relay.h"
 #include "replay/table.h"
 
@@ -54,7 +54,7 @@ class ReplayService {
   Status Join();
   Status AnnounceRun();
   Status OpenLeases();
-  void SayState(bool ending);
+  void PublishState(bool ending);
   void PublishStatus();
 
   const Options options_;
@@ -64,12 +64,12 @@ class ReplayService {
   std::unique_ptr<dds::Node> node_;  // outlives the endpoints below
   std::unique_ptr<BatchServer> server_;
   std::unique_ptr<Ingest> ingest_;
-  std::unique_ptr<Keeper> keeper_;
-  std::unique_ptr<CommandDesk> commands_;
+  std::unique_ptr<Maintenance> maintenance_;
+  std::unique_ptr<CommandServer> commands_;
   // Shard 0's: for who joins, and for who is out of LCM's reach.
   std::unique_ptr<Writer<dadrl_idl_RunConfig>> run_config_;
   std::unique_ptr<Writer<dadrl_idl_RunState>> run_state_;
-  std::unique_ptr<LeaseOffice> leases_;
+  std::unique_ptr<LeaseServer> leases_;
   std::unique_ptr<TelemetryRelay> relay_;
   std::unique_ptr<TelemetryPublisher> telemetry_;
   std::optional<StatusEnvelope> envelope_;

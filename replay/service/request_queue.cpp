@@ -18,7 +18,7 @@ RequestQueue::Verdict RequestQueue::OnArrival(const Id& id, uint64_t oldest_open
   const auto known = std::find_if(pending_.begin(), pending_.end(),
                                   [&](const Request& request) { return request.id == id; });
   if (known == pending_.end()) return Verdict::kNew;
-  known->told = false;
+  known->notified = false;
   return Verdict::kKnown;
 }
 

@@ -27,7 +27,7 @@ class RequestQueue {
     Id id;
     TrajectoryShape shape;
     uint32_t policy_version = 0;  // newest, for the staleness limit
-    bool told = false;            // that it is withheld
+    bool notified = false;        // that it is withheld
   };
 
   enum class Verdict {

@@ -187,7 +187,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   dadrl::InitLogging("replay_service");
-  const dadrl::bench::ChunkStream drawn_before_any_fork;
+  const dadrl::bench::ChunkStream generated_before_any_fork;
   try {
     for (const auto& [name, run] : kParts) {
       if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) run();

@@ -1,8 +1,8 @@
-// The replay table without a network, one thread: draws, priorities, the frame codec, inserts, batches,
+// The replay table without a network, one thread: samples, priorities, the frame codec, inserts, batches,
 // recovery.
 //
 // Prints JSON lines. Each figure stands beside what bounds it, measured in this run on the same data: bare
-// random access for the draws, zstd for the codec, a plain copy for inserts and batches, a checksum of the
+// random access for the samples, zstd for the codec, a plain copy for inserts and batches, a checksum of the
 // same files for recovery. of_limit is above 1 where we beat a peer.
 //
 // With an argument, a copy of a shard's folder that was recorded with the default observation: only what
@@ -64,23 +64,23 @@ double BestSeconds(const std::function<void()>& work) {
   return best;
 }
 
-void Draws() {
-  constexpr int kDraws = 3000000;
+void Samples() {
+  constexpr int kSamples = 3000000;
   Random random(1);
   std::vector<uint32_t> memory(kItems, 1);
   const double bare_read = BestSeconds([&] {
     uint64_t sum = 0;
-    for (int i = 0; i < kDraws; ++i) sum += memory[random.Below(kItems)];
+    for (int i = 0; i < kSamples; ++i) sum += memory[random.Below(kItems)];
     sink = sum;
   });
   const auto uniform = MakeSelector(SamplerKind::kUniform, 0.0);
   for (uint32_t slot = 0; slot < kItems; ++slot) uniform->Insert(slot, 1.0);
-  const double drawn = BestSeconds([&] {
+  const double sampled = BestSeconds([&] {
     uint64_t sum = 0;
-    for (int i = 0; i < kDraws; ++i) sum += uniform->Sample(random).slot;
+    for (int i = 0; i < kSamples; ++i) sum += uniform->Sample(random).slot;
     sink = sum;
   });
-  PrintRate(kBench, "uniform draws, 1M items", kDraws / drawn, "draws/s", kDraws / bare_read);
+  PrintRate(kBench, "uniform samples, 1M items", kSamples / sampled, "samples/s", kSamples / bare_read);
 
   constexpr int kUpdates = 500000;
   std::vector<double> weights(kItems, 1.0);
@@ -94,7 +94,7 @@ void Draws() {
       prioritized->Update(prioritized->Sample(random).slot, random.Uniform());
     }
   });
-  PrintRate(kBench, "prioritised draw and update, 1M items", kUpdates / updated, "pairs/s",
+  PrintRate(kBench, "prioritised sample and update, 1M items", kUpdates / updated, "pairs/s",
             kUpdates / bare_update);
 }
 
@@ -286,7 +286,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (argc > 1) return dadrl::bench::Recorded(argv[1]) ? 0 : 1;
-  dadrl::bench::Draws();
+  dadrl::bench::Samples();
   dadrl::bench::Codec();
   const auto directory = std::filesystem::temp_directory_path() / fmt::format("dadrl-bench-{}", getpid());
   const bool done = dadrl::bench::Table(directory);

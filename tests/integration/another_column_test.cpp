@@ -58,7 +58,7 @@ class GapValue {
   float bias_ = 0.0f;
 };
 
-TEST(AnotherColumn, IsSensedStoredDrawnAndLearntFrom) {
+TEST(AnotherColumn, IsSensedStoredSampledAndLearntFrom) {
   const StepSpec spec = WithTheGap();
   const DrivingShape shape = DrivingShape::Find(spec).value();
   const SystemClock clock;

@@ -176,7 +176,7 @@ pid_t LiveActor(const json& monitor) {
   return 0;
 }
 
-// Its lease ran out, or it was carried to another desk.
+// Its lease ran out, or it was carried to another place.
 TEST_F(TwoMachines, AnActorWhoseMachineGetsAnotherAddressIsBackWithinSeconds) {
   const auto before = MonitorUntil([](const json& monitor) { return LiveActor(monitor) != 0; });
   ASSERT_TRUE(before) << Said();

@@ -64,7 +64,7 @@ class ShardsTest : public testing::Test {
   std::unique_ptr<BatchFetcher> fetcher_;
 };
 
-TEST_F(ShardsTest, DrawsFollowWhatEachHoldsAndLosingOneStopsNothing) {
+TEST_F(ShardsTest, SamplesFollowWhatEachHoldsAndLosingOneStopsNothing) {
   Fill(0, 25);
   Fill(1, 75);
   Take(20);  // until both have said what they hold

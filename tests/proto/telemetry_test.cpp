@@ -123,9 +123,9 @@ TEST(TelemetryPacket, RefusesWhatIsNotExactlyOnePacket) {
   std::vector<std::byte> longer = whole;
   longer.push_back(std::byte{0});
   EXPECT_FALSE(DecodeStatusPacket(longer));
-  std::vector<std::byte> alien = whole;
-  alien[3] ^= std::byte{1};  // fingerprint
-  EXPECT_FALSE(DecodeStatusPacket(alien));
+  std::vector<std::byte> foreign = whole;
+  foreign[3] ^= std::byte{1};  // fingerprint
+  EXPECT_FALSE(DecodeStatusPacket(foreign));
   EXPECT_FALSE(DecodeStatusPacket(EncodePacket(SomeReport())));
 }
 

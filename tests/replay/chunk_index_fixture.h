@@ -21,8 +21,9 @@ class IndexFixture {
     const auto stored = segments.back()->Append(Build(chunk)).value();
     index.Add(segments.back(), ChunkView::Parse(stored).value());
   }
-  SampledBatch Draw(size_t count, int n_step) {
-    auto batch = ReadTrajectories(index.Draw(count, n_step, random), {static_cast<int>(count), n_step});
+  SampledBatch Sample(size_t count, int n_step) {
+    auto batch =
+        ReadTrajectories(index.SampleItems(count, n_step, random), {static_cast<int>(count), n_step});
     EXPECT_TRUE(batch) << batch.error().message;
     return std::move(*batch);
   }

@@ -13,7 +13,7 @@
 namespace dadrl {
 namespace {
 
-// What an episode-wise look at everything stored says should be drawable.
+// What an episode-wise look at everything stored says should be sampleable.
 class NaiveReplay {
  public:
   struct Frame {
@@ -142,15 +142,15 @@ TEST(ChunkIndex, HoldsExactlyTheSlicesThatANaiveReplayFinds) {
       }
       const auto expected = naive.Slices(n_step);
       ASSERT_EQ(f.index.items(), expected.size()) << n_step << " " << seed;
-      std::multiset<NaiveReplay::Slice> drawn;
+      std::multiset<NaiveReplay::Slice> sampled;
       if (!expected.empty()) {
-        for (const SampledTrajectory& item : f.Draw(expected.size(), n_step).trajectories) {
-          drawn.insert({Decode(item.payloads.front()), RewardsOf(item),
-                        item.terminated ? std::nullopt : std::optional(Decode(item.payloads.back())),
-                        item.terminated});
+        for (const SampledTrajectory& item : f.Sample(expected.size(), n_step).trajectories) {
+          sampled.insert({Decode(item.payloads.front()), RewardsOf(item),
+                          item.terminated ? std::nullopt : std::optional(Decode(item.payloads.back())),
+                          item.terminated});
         }
       }
-      ASSERT_EQ(drawn, expected) << n_step << " " << seed;
+      ASSERT_EQ(sampled, expected) << n_step << " " << seed;
     }
   }
 }

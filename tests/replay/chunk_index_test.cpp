@@ -33,7 +33,7 @@ TEST(ChunkIndex, ATruncatedEpisodeCompletesWithItsFinalFrameEvenInAChunkOfItsOwn
   EXPECT_EQ(f.index.items(), 0u);
   f.Add({.identity = {1, 1, 2}, .first_frame = 2, .frames = 0, .final_frame = true});
   ASSERT_EQ(f.index.items(), 2u);
-  for (const SampledTrajectory& item : f.Draw(2, 2).trajectories) {
+  for (const SampledTrajectory& item : f.Sample(2, 2).trajectories) {
     EXPECT_FALSE(item.terminated);
     EXPECT_EQ(Decode(item.payloads.back()), TestReward(1, 1, 2));
     EXPECT_EQ(item.steps.size(), Decode(item.payloads.front()) == TestReward(1, 1, 0) ? 2u : 1u);
@@ -73,7 +73,7 @@ TEST(ChunkIndex, DroppingASegmentTakesItsItemsAndLeavesTheRestOfTheEpisode) {
   f.Add({.identity = {1, 1, 3}, .first_frame = 8, .frames = 1, .end = kTerminated});
   EXPECT_EQ(f.index.items(), 5u);
   std::set<float> firsts;
-  for (const SampledTrajectory& item : f.Draw(5, 2).trajectories)
+  for (const SampledTrajectory& item : f.Sample(5, 2).trajectories)
     firsts.insert(Decode(item.payloads.front()));
   EXPECT_EQ(firsts.size(), 5u);
   EXPECT_EQ(*firsts.begin(), TestReward(1, 1, 4));
@@ -88,18 +88,18 @@ TEST(ChunkIndex, DroppingTheSegmentOfAnOpenEpisodeEndsIt) {
   EXPECT_EQ(f.index.items(), 1u);
 }
 
-TEST(ChunkIndex, AnItemIsDrawnAtMostSoOften) {
+TEST(ChunkIndex, AnItemIsSampledAtMostSoOften) {
   IndexFixture f({.n_step = 1, .max_times_sampled = 3});
   f.Add({.identity = {1, 1, 1}, .frames = 10, .end = kTerminated});
-  EXPECT_TRUE(f.index.CanDraw(30));
-  EXPECT_FALSE(f.index.CanDraw(31));
+  EXPECT_TRUE(f.index.CanSample(30));
+  EXPECT_FALSE(f.index.CanSample(31));
   std::map<uint64_t, int> counts;
-  for (const SampledTrajectory& item : f.Draw(20, 1).trajectories) ++counts[item.key];
-  for (const SampledTrajectory& item : f.Draw(10, 1).trajectories) ++counts[item.key];
+  for (const SampledTrajectory& item : f.Sample(20, 1).trajectories) ++counts[item.key];
+  for (const SampledTrajectory& item : f.Sample(10, 1).trajectories) ++counts[item.key];
   EXPECT_EQ(counts.size(), 10u);
   for (const auto& [key, count] : counts) EXPECT_EQ(count, 3);
   EXPECT_EQ(f.index.items(), 0u);
-  EXPECT_FALSE(f.index.CanDraw(1));
+  EXPECT_FALSE(f.index.CanSample(1));
 }
 
 TEST(ChunkIndex, StaleItemsLeaveAndStaleFramesNeverEnter) {
@@ -117,7 +117,7 @@ TEST(ChunkIndex, StaleItemsLeaveAndStaleFramesNeverEnter) {
   EXPECT_EQ(f.index.items(), 10u);
 }
 
-TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
+TEST(ChunkIndex, PrioritiesSteerTheSampleAndWeightsUndoIt) {
   IndexFixture f({.n_step = 1,
                   .sampler = SamplerKind::kPrioritized,
                   .priority_exponent = 1.0,
@@ -125,7 +125,7 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
   f.Add({.identity = {1, 1, 1}, .frames = 4, .end = kTerminated});
   std::map<float, uint64_t> keys;
   while (keys.size() < 4) {
-    for (const SampledTrajectory& item : f.Draw(8, 1).trajectories)
+    for (const SampledTrajectory& item : f.Sample(8, 1).trajectories)
       keys[Decode(item.payloads.front())] = item.key;
   }
   const uint64_t favourite = keys[TestReward(1, 1, 2)];
@@ -136,7 +136,7 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
   f.index.UpdatePriority(~uint64_t{0}, 100.0);
   f.index.UpdatePriority(favourite | 63, 100.0);
   int hits = 0;
-  const SampledBatch batch = f.Draw(4000, 1);
+  const SampledBatch batch = f.Sample(4000, 1);
   for (const SampledTrajectory& item : batch.trajectories) {
     const bool hit = item.key == favourite;
     hits += hit;
@@ -149,9 +149,9 @@ TEST(ChunkIndex, PrioritiesSteerTheDrawAndWeightsUndoIt) {
 TEST(ChunkIndex, NewItemsStartAtTheHighestPrioritySoFar) {
   IndexFixture f({.n_step = 1, .sampler = SamplerKind::kPrioritized, .priority_exponent = 1.0});
   f.Add({.identity = {1, 1, 1}, .frames = 1, .end = kTerminated});
-  f.index.UpdatePriority(f.Draw(1, 1).trajectories[0].key, 4.0);
+  f.index.UpdatePriority(f.Sample(1, 1).trajectories[0].key, 4.0);
   f.Add({.identity = {1, 1, 2}, .episode = 2, .frames = 1, .end = kTerminated});
-  EXPECT_NEAR(f.Draw(1, 1).trajectories[0].probability, 0.5, 1e-6);
+  EXPECT_NEAR(f.Sample(1, 1).trajectories[0].probability, 0.5, 1e-6);
 }
 
 class Removers : public testing::TestWithParam<SamplerKind> {};
@@ -197,13 +197,13 @@ TEST_P(Removers, TakeTheItemsThatAPlainListSays) {
     naive.erase(naive.begin() + static_cast<ptrdiff_t>(change));
     naive.push_back(entry);
     ASSERT_EQ(f.index.items(), naive.size());
-    std::set<uint64_t> drawn;
-    for (const SampledTrajectory& item : f.Draw(400, 1).trajectories) drawn.insert(item.key);
+    std::set<uint64_t> sampled;
+    for (const SampledTrajectory& item : f.Sample(400, 1).trajectories) sampled.insert(item.key);
     std::set<uint64_t> expected;
     for (const Entry& kept : naive) expected.insert(kept.key);
-    ASSERT_EQ(drawn, expected) << episode;
+    ASSERT_EQ(sampled, expected) << episode;
   }
-  EXPECT_EQ(f.index.frames(), 100u) << "what is not drawn any more is still stored";
+  EXPECT_EQ(f.index.frames(), 100u) << "what is not sampled any more is still stored";
 }
 
 TEST(ChunkIndex, AStrideMakesItemsOfEveryFewFramesOnly) {
@@ -211,19 +211,19 @@ TEST(ChunkIndex, AStrideMakesItemsOfEveryFewFramesOnly) {
   f.Add({.identity = {1, 1, 1}, .frames = 5});
   f.Add({.identity = {1, 1, 2}, .first_frame = 5, .frames = 5, .end = kTerminated});
   std::set<float> starts;
-  for (const SampledTrajectory& item : f.Draw(4, 4).trajectories) starts.insert(item.steps[0].reward);
+  for (const SampledTrajectory& item : f.Sample(4, 4).trajectories) starts.insert(item.steps[0].reward);
   EXPECT_EQ(starts, (std::set<float>{TestReward(1, 1, 0), TestReward(1, 1, 3), TestReward(1, 1, 6),
                                      TestReward(1, 1, 9)}));
   EXPECT_EQ(f.index.items(), 0u);
 }
 
-TEST(ChunkIndex, ADrawnBatchOutlivesItsSegment) {
+TEST(ChunkIndex, ASampledBatchOutlivesItsSegment) {
   IndexFixture f({.n_step = 2});
   f.Add({.identity = {1, 1, 1}, .frames = 6, .end = kTerminated});
-  DrawnItems drawn = f.index.Draw(10, 2, f.random);
+  SampledItems sampled = f.index.SampleItems(10, 2, f.random);
   f.index.DropSegmentsBefore(99);
   f.segments.clear();
-  const auto batch = ReadTrajectories(std::move(drawn), {10, 2});
+  const auto batch = ReadTrajectories(std::move(sampled), {10, 2});
   ASSERT_TRUE(batch);
   for (const SampledTrajectory& item : batch->trajectories)
     EXPECT_EQ(Decode(item.payloads.front()), item.steps[0].reward);

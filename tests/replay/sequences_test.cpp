@@ -85,8 +85,8 @@ TEST_F(SequencesTest, AreExactlyTheStretchesOfTheEpisodesAndEndWithThem) {
     const size_t count = starts.size();
     ASSERT_EQ(table->stats().items, count);
     const TrajectoryShape shape{static_cast<int>(count), kLength, true};
-    const auto drawn = table->Sample(shape, 0).value();
-    const auto bytes = EncodeTrajectories(drawn.trajectories, shape, table->schema());
+    const auto sampled = table->Sample(shape, 0).value();
+    const auto bytes = EncodeTrajectories(sampled.trajectories, shape, table->schema());
     TrajectoryBatch batch(kTestSpec, shape);
     const Status decoded = TrajectoryDecoder(kTestSpec, kTestBounds).Decode(bytes, batch);
     ASSERT_TRUE(decoded) << decoded.error().message;
@@ -118,7 +118,7 @@ TEST_F(SequencesTest, AreExactlyTheStretchesOfTheEpisodesAndEndWithThem) {
   }
 }
 
-TEST_F(SequencesTest, SlicesCanBeDrawnBesideThemAndLongerOnesAreRefused) {
+TEST_F(SequencesTest, SlicesCanBeSampledBesideThemAndLongerOnesAreRefused) {
   Random random(1);
   const auto table = Open(1, 0);
   Store(*table, 1, {12, kTerminated}, random);
@@ -155,8 +155,8 @@ TEST_F(SequencesTest, DamagedBytesAreRefusedWhereverTheyAreDamaged) {
   const auto table = Open(1, 0);
   for (uint64_t number = 1; number <= 5; ++number) Store(*table, number, {7, kTruncated}, random);
   const TrajectoryShape shape{3, kLength, true};
-  const auto drawn = table->Sample(shape, 0).value();
-  const auto sound = EncodeTrajectories(drawn.trajectories, shape, table->schema());
+  const auto sampled = table->Sample(shape, 0).value();
+  const auto sound = EncodeTrajectories(sampled.trajectories, shape, table->schema());
   TrajectoryBatch batch(kTestSpec, shape);
   TrajectoryDecoder decoder(kTestSpec, kTestBounds);
   for (size_t cut = 0; cut < sound.size(); ++cut) {

@@ -40,7 +40,7 @@ class SnapshotTest : public testing::Test {
   static std::vector<std::byte> Chunk(uint64_t sequence) {
     return Build({.identity = {1, 7, sequence}, .episode = sequence, .frames = kFrames, .end = kTerminated});
   }
-  // The episodes that can be drawn, which must be whole and without a gap.
+  // The episodes that can be sampled, which must be whole and without a gap.
   static std::set<uint64_t> Episodes(ReplayTable& table) {
     std::map<uint64_t, std::set<uint64_t>> frames;
     size_t found = 0;
@@ -68,8 +68,8 @@ TEST_F(SnapshotTest, HoldsContentsPrioritiesLimiterAndExactlyOnceTable) {
   auto table = Open(options_.directory);
   for (uint64_t sequence = 1; sequence <= 300; ++sequence) ASSERT_TRUE(table->Insert(Chunk(sequence)));
   std::map<uint64_t, float> probabilities;
-  const auto drawn = table->Sample({2000, 1}, 3).value();
-  for (const SampledTrajectory& item : drawn.trajectories) {
+  const auto sampled = table->Sample({2000, 1}, 3).value();
+  for (const SampledTrajectory& item : sampled.trajectories) {
     table->UpdatePriorities({{item.key}}, {{1.0f + static_cast<float>(item.key % 5)}});
   }
   const auto snapshot = folder_.path() / "snapshot";
@@ -102,14 +102,14 @@ TEST_F(SnapshotTest, HoldsContentsPrioritiesLimiterAndExactlyOnceTable) {
   EXPECT_EQ(restored->Insert(Chunk(301)), ReplayTable::Insertion::kStored);
 }
 
-TEST_F(SnapshotTest, IsOneMomentWhileInsertsDrawsAndDropsGoOn) {
+TEST_F(SnapshotTest, IsOneMomentWhileInsertsSamplesAndDropsGoOn) {
   options_.replay.max_disk_bytes = 1 << 18;  // the oldest are dropped all the time
   auto table = Open(options_.directory);
   uint64_t stored = 0;
   while (stored < 400) ASSERT_TRUE(table->Insert(Chunk(++stored)));
   std::atomic<bool> stop{false};
   std::atomic<uint64_t> inserted{stored};
-  std::atomic<uint64_t> drawn{0};
+  std::atomic<uint64_t> sampled{0};
   std::thread inserter([&] {
     for (uint64_t sequence = stored + 1; !stop; ++sequence) {
       ASSERT_EQ(table->Insert(Chunk(sequence)), ReplayTable::Insertion::kStored);
@@ -121,18 +121,18 @@ TEST_F(SnapshotTest, IsOneMomentWhileInsertsDrawsAndDropsGoOn) {
       const auto batch = table->Sample({64, 1}, 0).value();
       for (const SampledTrajectory& item : batch.trajectories)
         table->UpdatePriorities({{item.key}}, {{2.0f}});
-      drawn.fetch_add(batch.trajectories.size());
+      sampled.fetch_add(batch.trajectories.size());
     }
   });
   std::vector<std::array<uint64_t, 2>> between;
   for (int i = 0; i < 8; ++i) {
     const uint64_t before = inserted.load();
-    const uint64_t draws_before = drawn.load();
+    const uint64_t samples_before = sampled.load();
     const auto report = table->Snapshot(folder_.path() / fmt::format("snapshot-{}", i));
     ASSERT_TRUE(report) << report.error().message;
     between.push_back({before, inserted.load()});
     // Traffic is not waiting for anything now: it goes on.
-    while (inserted.load() < between.back()[1] + 50 || drawn.load() < draws_before + 64) {
+    while (inserted.load() < between.back()[1] + 50 || sampled.load() < samples_before + 64) {
       std::this_thread::yield();
     }
   }

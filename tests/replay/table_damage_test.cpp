@@ -74,7 +74,7 @@ TEST_F(TableDamage, TruncatedAtAnyByteItHoldsTheWholeChunksAndGoesOn) {
       ASSERT_EQ(table->Insert(Build(ChunkOf(sequence)), 1),
                 sequence <= stored ? Insertion::kDuplicate : Insertion::kStored);
     }
-    ASSERT_EQ(DrawAll(*table).size(), 20u) << length;
+    ASSERT_EQ(SampleAll(*table).size(), 20u) << length;
   }
 }
 
@@ -92,7 +92,7 @@ TEST_F(TableDamage, ADamagedRecordCostsItsChunkAndNothingElse) {
   auto table = Open();
   EXPECT_EQ(table->stats().frames_held, 25u);
   EXPECT_EQ(table->Stored(1, 7), 6u);
-  for (const auto& [first, rewards] : DrawAll(*table)) {
+  for (const auto& [first, rewards] : SampleAll(*table)) {
     // No slice bridges the hole.
     if (rewards.size() == 2) {
       EXPECT_EQ(rewards[1], first + kTestScale);
@@ -193,8 +193,8 @@ class TableUnderASegmentThatGoesBad : public TableRecovery {
   }
   // As a disk that fails: what was mapped is not there any more.
   void CutShort(size_t segment) { std::filesystem::resize_file(Segments(folder_.path()).at(segment), 0); }
-  // Draws until something cannot be read.
-  Status DrawMuch() {
+  // Samples until something cannot be read.
+  Status SampleMuch() {
     for (int i = 0; i < 200; ++i) {
       DADRL_ASSIGN_OR_RETURN(const SampledBatch batch, table_->Sample({16, 2}, 0));
       for (const SampledTrajectory& item : batch.trajectories) {
@@ -210,12 +210,12 @@ class TableUnderASegmentThatGoesBad : public TableRecovery {
 };
 
 TEST_F(TableUnderASegmentThatGoesBad, ItsFramesAreLostTheProcessIsNot) {
-  ASSERT_TRUE(DrawMuch());
+  ASSERT_TRUE(SampleMuch());
   ASSERT_TRUE(table_->DropDamaged());
   const uint64_t before = table_->stats().frames_held;
   CutShort(1);
   table_->TrimMemory();
-  EXPECT_FALSE(DrawMuch());
+  EXPECT_FALSE(SampleMuch());
   const Status damaged = table_->DropDamaged();
   ASSERT_FALSE(damaged);
   EXPECT_EQ(damaged.error().code, ErrorCode::kCorrupt);
@@ -223,14 +223,14 @@ TEST_F(TableUnderASegmentThatGoesBad, ItsFramesAreLostTheProcessIsNot) {
   const uint64_t lost = table_->stats().damaged_frames;
   EXPECT_GT(lost, 0u);
   EXPECT_EQ(table_->stats().frames_held, before - lost);
-  EXPECT_TRUE(DrawMuch()) << "what is left is sound, slices from the segment before included";
+  EXPECT_TRUE(SampleMuch()) << "what is left is sound, slices from the segment before included";
   ASSERT_FALSE(table_->DropDamaged()) << "it is still there";
   EXPECT_EQ(table_->stats().damaged_frames, lost) << "and is counted once";
 }
 
 TEST_F(TableUnderASegmentThatGoesBad, TheFaultIsOverWhenItsSegmentHasLeft) {
   CutShort(0);
-  ASSERT_FALSE(DrawMuch());
+  ASSERT_FALSE(SampleMuch());
   ASSERT_FALSE(table_->DropDamaged());
   while (std::filesystem::exists(folder_.path() / "segment-000000000001.log")) {
     Store(*table_, stored_ + 1, stored_ + 1);
@@ -241,11 +241,11 @@ TEST_F(TableUnderASegmentThatGoesBad, TheFaultIsOverWhenItsSegmentHasLeft) {
 
 TEST_F(TableUnderASegmentThatGoesBad, NothingIsAddedToTheOpenOneThatGoesBad) {
   CutShort(3);
-  ASSERT_FALSE(DrawMuch());
+  ASSERT_FALSE(SampleMuch());
   ASSERT_FALSE(table_->DropDamaged());
   Store(*table_, stored_ + 1, stored_ + 1);
   EXPECT_EQ(Segments(folder_.path()).size(), 5u);
-  EXPECT_TRUE(DrawMuch());
+  EXPECT_TRUE(SampleMuch());
 }
 
 TEST_F(TableUnderASegmentThatGoesBad, TheNextStartGoesOnWithTheRest) {
@@ -264,13 +264,13 @@ TEST_F(TableDamage, ASegmentThatCannotBeOpenedIsLeftOutAndStays) {
     Store(*table, 1, 4);
   }
   const auto path = Segments(folder_.path()).at(0);
-  const auto alien = folder_.path() / "segment-000000000007.log";
-  std::filesystem::create_directory(alien);  // opening it for writing fails, reading as well
+  const auto foreign = folder_.path() / "segment-000000000007.log";
+  std::filesystem::create_directory(foreign);  // opening it for writing fails, reading as well
   auto table = Open();
   EXPECT_EQ(table->Stored(1, 7), 4u);
   Store(*table, 5, 5);
   EXPECT_TRUE(std::filesystem::exists(path));
-  EXPECT_TRUE(std::filesystem::exists(alien));
+  EXPECT_TRUE(std::filesystem::exists(foreign));
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "segment-000000000008.log")) << "its number is taken";
 }
 

@@ -45,8 +45,8 @@ class TableRecovery : public testing::Test {
       ASSERT_EQ(table.Insert(Build(ChunkOf(sequence))), Insertion::kStored) << sequence;
     }
   }
-  // Every slice in the table as first reward -> its rewards; draws everything.
-  static std::map<float, std::vector<float>> DrawAll(ReplayTable& table) {
+  // Every slice in the table as first reward -> its rewards; samples everything.
+  static std::map<float, std::vector<float>> SampleAll(ReplayTable& table) {
     std::map<float, std::vector<float>> slices;
     const size_t items = table.stats().items;
     if (items == 0) return slices;

@@ -22,7 +22,7 @@ TEST_F(TableRecovery, WithoutACleanStopEverythingIsThereOnce) {
     EXPECT_EQ(table->Stored(1, 7), 9u);
     EXPECT_EQ(table->Insert(Build(ChunkOf(9))), Insertion::kDuplicate);
     EXPECT_EQ(table->stats().inserted_frames, 45u);
-    const auto slices = DrawAll(*table);
+    const auto slices = SampleAll(*table);
     EXPECT_EQ(slices.size(), 43u);  // the last two frames' slices are not complete
     if (restart > 0) {
       EXPECT_EQ(slices, before);
@@ -31,7 +31,7 @@ TEST_F(TableRecovery, WithoutACleanStopEverythingIsThereOnce) {
   }
   auto table = Open();
   EXPECT_EQ(table->Insert(Build(ChunkOf(10))), Insertion::kStored);
-  EXPECT_EQ(DrawAll(*table).size(), 50u) << "the open episode goes on across the restart";
+  EXPECT_EQ(SampleAll(*table).size(), 50u) << "the open episode goes on across the restart";
 }
 
 TEST_F(TableRecovery, SequencesOfDroppedSegmentsAreRemembered) {
@@ -82,7 +82,7 @@ TEST_F(TableRecovery, StoredRewardsThatTheTaskCannotGiveAreDroppedWithACount) {
   auto table = Open();
   EXPECT_EQ(table->stats().frames_held, 20u);
   EXPECT_THAT(log.text(), testing::HasSubstr("and 2 unusable chunks"));
-  for (const auto& [first, rewards] : DrawAll(*table)) {
+  for (const auto& [first, rewards] : SampleAll(*table)) {
     for (const float reward : rewards) EXPECT_LE(std::abs(reward), 5.56f);
   }
   EXPECT_EQ(table->Stored(1, 7), 6u) << "the actor goes on behind them";
@@ -98,7 +98,7 @@ TEST_F(TableRecovery, WhatAnotherTaskCouldGiveStaysOnDisk) {
   EXPECT_EQ(Open(any)->stats().frames_held, 5u);
 }
 
-// Key and probability of everything that is drawn in proportion to its priority.
+// Key and probability of everything that is sampled in proportion to its priority.
 std::map<float, float> Probabilities(ReplayTable& table) {
   std::map<float, float> probabilities;
   while (probabilities.size() < table.stats().items) {
@@ -181,7 +181,7 @@ TEST_F(TableRecovery, WhatWasSampledOftenEnoughOrRemovedStaysAway) {
   std::map<float, int> left;
   const auto batch = table->Sample({9, 1}, 0).value();
   for (const SampledTrajectory& item : batch.trajectories) ++left[item.steps[0].reward];
-  EXPECT_EQ(table->stats().items, 0u) << "15 items, twice each: 21 draws before, 9 after";
+  EXPECT_EQ(table->stats().items, 0u) << "15 items, twice each: 21 samples before, 9 after";
   for (const auto& [reward, count] : left) EXPECT_LE(count, 2) << reward;
 }
 

@@ -124,7 +124,7 @@ TEST(ReplayTable, GoesOnBehindChunksThatNobodyHasAnyMore) {
   EXPECT_EQ(table->stats().lost_chunks, 3u);
 }
 
-TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
+TEST(ReplayTable, RefusesGarbageForeignSchemasAndWhatFailsVerification) {
   SystemClock clock;
   TableOptions options = Options();
   options.verify = [](const ChunkView& chunk) -> Status {
@@ -133,10 +133,11 @@ TEST(ReplayTable, RefusesGarbageAlienSchemasAndWhatFailsVerification) {
   };
   auto table = ReplayTable::Open(options, clock).value();
   EXPECT_EQ(table->Insert(std::vector<std::byte>(100)), Insertion::kRejected);
-  ChunkBuilder alien(DrivingShape{.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
-  alien.AddTransition(Observation(DrivingShape{.vehicles = 2, .history = 1}), Action{}, 0.0f, kTerminated, 1);
+  ChunkBuilder foreign(DrivingShape{.vehicles = 2, .history = 1}, FloatCoding::kFloat16);
+  foreign.AddTransition(Observation(DrivingShape{.vehicles = 2, .history = 1}), Action{}, 0.0f, kTerminated,
+                        1);
   ChunkRefusal refusal;
-  EXPECT_EQ(table->Insert(alien.Finish({9, 1, 1}), 1, &refusal), Insertion::kRejected);
+  EXPECT_EQ(table->Insert(foreign.Finish({9, 1, 1}), 1, &refusal), Insertion::kRejected);
   EXPECT_EQ(refusal.fault, ChunkFault::kSchema);
   EXPECT_EQ(table->Stored(9, 1), 1u) << "its actor goes on, if it has something better";
   EXPECT_EQ(table->Insert(EpisodeChunk(1), 1), Insertion::kStored);
@@ -173,7 +174,7 @@ TEST(ReplayTable, SamplingWaitsForTheMinimumSizeAndForInserts) {
   EXPECT_TRUE(table->Sample({8, 1}, 0));
 }
 
-TEST(ReplayTable, ActorsAreNotHeldBackWhileABatchIsLargerThanWhatIsLeftToDraw) {
+TEST(ReplayTable, ActorsAreNotHeldBackWhileABatchIsLargerThanWhatIsLeftToSample) {
   SystemClock clock;
   TableOptions options = Options();
   options.replay.min_size = 10;
@@ -199,7 +200,7 @@ TEST(ReplayTable, LongerSlicesThanItIndexesAreRefusedWithTheReason) {
   EXPECT_THAT(batch.error().message, testing::HasSubstr("algorithm.n_step"));
 }
 
-TEST(ReplayTable, TheSameSeedDrawsTheSameItems) {
+TEST(ReplayTable, TheSameSeedSamplesTheSameItems) {
   SystemClock clock;
   std::vector<std::vector<uint64_t>> keys(2);
   for (auto& run : keys) {

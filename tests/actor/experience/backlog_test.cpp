@@ -30,7 +30,7 @@ class BacklogTest : public ::testing::Test {
   Backlog backlog_;
 };
 
-TEST_F(BacklogTest, IntroducesItselfWithOneChunkAndThenObeysTheGrant) {
+TEST_F(BacklogTest, IntroducesItselfWithOneChunkAndThenKeepsToTheGrant) {
   Add(10);
   EXPECT_EQ(SendAll(), Sequences({1}));
   Acknowledge(1, 4);
@@ -122,7 +122,7 @@ TEST_F(BacklogTest, AnIdleTimeIsNoStall) {
 
 TEST_F(BacklogTest, IgnoresAcknowledgementsOfWhatWasNeverMade) {
   Add(2);
-  EXPECT_EQ(Acknowledge(3, 100), Backlog::AckEffect::kAlien);
+  EXPECT_EQ(Acknowledge(3, 100), Backlog::AckEffect::kInvalid);
   EXPECT_EQ(backlog_.acknowledged(), 0);
   EXPECT_EQ(backlog_.granted(), 0);
 }

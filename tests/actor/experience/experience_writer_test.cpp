@@ -229,7 +229,7 @@ TEST_F(ExperienceWriterTest, IgnoresAcknowledgementsMeantForOthersOrImpossible) 
   ack.actor = kActor;
   ack.stored_sequence = ack.granted_sequence = 1000;
   replay_->SendAcknowledgement(ack);
-  ASSERT_TRUE(Eventually([&] { return writer_->statistics().alien_acknowledgements == 1; }));
+  ASSERT_TRUE(Eventually([&] { return writer_->statistics().invalid_acknowledgements == 1; }));
   EXPECT_EQ(writer_->statistics().acknowledged, 0);
   replay_->set_window(10);
   replay_->set_acknowledging(true);

@@ -11,7 +11,7 @@ using testing::Not;
 
 TEST(DriverTypes, StayInTheirRangesAndFillThem) {
   Random random(1);
-  const auto types = DrawDriverTypes(20000, random);
+  const auto types = SampleDriverTypes(20000, random);
   double slowest = 9, fastest = 0, mean_gap = 0, mean_imperfection = 0;
   for (const DriverType& type : types) {
     slowest = std::min(slowest, type.speed_factor);
@@ -30,8 +30,8 @@ TEST(DriverTypes, StayInTheirRangesAndFillThem) {
 
 TEST(DriverTypes, FollowTheSeed) {
   Random a(5), b(5), c(6);
-  EXPECT_EQ(DrawDriverTypes(4, a)[3].impatience, DrawDriverTypes(4, b)[3].impatience);
-  EXPECT_NE(DrawDriverTypes(4, a)[3].impatience, DrawDriverTypes(4, c)[3].impatience);
+  EXPECT_EQ(SampleDriverTypes(4, a)[3].impatience, SampleDriverTypes(4, b)[3].impatience);
+  EXPECT_NE(SampleDriverTypes(4, a)[3].impatience, SampleDriverTypes(4, c)[3].impatience);
 }
 
 TEST(TrafficIds, ReadBack) {

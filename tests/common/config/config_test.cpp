@@ -110,16 +110,16 @@ TEST(Config, RefusesContradictions) {
   EXPECT_EQ(
       Validate(config).error().message,
       "replay.max_items: 999 is less than a shard's part of replay.min_size, 1000; nothing would ever be "
-      "drawn");
+      "sampled");
   config.replay.max_items = 1000;
   EXPECT_TRUE(Validate(config));
   config.replay.min_size = 1;
   config.replay.max_items = 31;
-  EXPECT_TRUE(Validate(config)) << "each serves as often as it is drawn";
+  EXPECT_TRUE(Validate(config)) << "each serves as often as it is sampled";
   config.replay.max_times_sampled = 2;
   EXPECT_EQ(Validate(config).error().message,
             "replay.max_items: 31 items of replay.max_times_sampled: 2 never make a batch of "
-            "algorithm.batch_size: 64; nothing would ever be drawn");
+            "algorithm.batch_size: 64; nothing would ever be sampled");
   config.replay.max_items = 32;
   EXPECT_TRUE(Validate(config));
 }

@@ -100,7 +100,7 @@ TEST_P(SquashedGaussianTest, LikeliestIsTanhOfTheMeanAndNoiseFollowsTheSeed) {
 
 // log N(atanh a; mean, std) - log(1 - a^2), summed over both: of the action alone, not of the noise behind
 // it.
-TEST_P(SquashedGaussianTest, LogProbabilityIsTheDensityOfTheDrawnAction) {
+TEST_P(SquashedGaussianTest, LogProbabilityIsTheDensityOfTheSampledAction) {
   const auto policy = Loaded();
   const Columns batch = GoldenObservations(0);
   Random random(7);
@@ -117,7 +117,7 @@ TEST_P(SquashedGaussianTest, LogProbabilityIsTheDensityOfTheDrawnAction) {
       sensitivity += (std::abs(noise) / std + 2.0) / (1.0 - a * a);
     }
     ASSERT_TRUE(policy->last().log_probability);
-    EXPECT_NEAR(*policy->last().log_probability, expected, 1e-5 + 1e-7 * sensitivity) << "draw " << i;
+    EXPECT_NEAR(*policy->last().log_probability, expected, 1e-5 + 1e-7 * sensitivity) << "sample " << i;
   }
 }
 

@@ -35,7 +35,7 @@ TEST(FaultBoard, SuccessOfOneEndsNoOther) {
 
 TEST(FaultBoard, TellsItsFollowerWhatHoldsUpTraining) {
   ManualClock clock;
-  FaultBoard board(clock, FaultBoard::Log::kIsSilent);
+  FaultBoard board(clock, FaultBoard::Logging::kOff);
   std::vector<std::string> told;
   board.Follow([&](std::string_view what) { told.emplace_back(what); });
   board.Report(FaultKind::kTrainingLog, kFull);

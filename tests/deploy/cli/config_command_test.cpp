@@ -150,7 +150,7 @@ TEST(AlgorithmsCommand, ListsEachWithASentenceAndWhatItReports) {
   ASSERT_EQ(rows.size(), Algorithms().size());
   for (size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i]["name"], Algorithms()[i].name);
-    EXPECT_THAT(text.out, HasSubstr(Algorithms()[i].sentence));
+    EXPECT_THAT(text.out, HasSubstr(Algorithms()[i].description));
     const AlgorithmSpec spec = Algorithms()[i].spec(Config{});
     ASSERT_EQ(rows[i]["scalars"].size(), spec.scalars.size());
     EXPECT_EQ(rows[i]["scalars"][0], spec.scalars[0].name);

@@ -106,7 +106,7 @@ TEST(RunResults, ReplacesADamagedFileAndKeepsItAside) {
   }
 }
 
-TEST(RunResults, SurvivesAlienTypes) {
+TEST(RunResults, SurvivesOtherTypes) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "results.json";
   std::ofstream(file) << R"({"training_s": "long", "evaluations": 3})";

@@ -9,7 +9,7 @@
 namespace dadrl::fuzz {
 namespace {
 
-constexpr size_t kDraws = 16;
+constexpr size_t kSamples = 16;
 
 std::unique_ptr<ReplayTable> OpenTable() {
   static const SystemClock clock;
@@ -40,7 +40,7 @@ Bytes Input(std::initializer_list<std::pair<uint64_t, float>> pairs) {
 
 const int kMutants = 3000;
 
-// Whatever they are, items are drawn with probabilities that can be divided by.
+// Whatever they are, items are sampled with probabilities that can be divided by.
 bool Check(std::span<std::byte> input) {
   const std::unique_ptr<ReplayTable> table = OpenTable();
   std::vector<uint64_t> keys;
@@ -50,9 +50,9 @@ bool Check(std::span<std::byte> input) {
     priorities.push_back(reader.Get<float>());
   }
   table->UpdatePriorities(keys, priorities);
-  const auto drawn = table->Draw({.count = kDraws}, 0);
-  Require(drawn.has_value() && drawn->items.size() == kDraws);
-  for (const DrawnItems::Item& item : drawn->items) {
+  const auto sampled = table->SampleItems({.count = kSamples}, 0);
+  Require(sampled.has_value() && sampled->items.size() == kSamples);
+  for (const SampledItems::Item& item : sampled->items) {
     Require(item.probability > 0.0f && item.probability <= 1.0f);
     Require(item.importance_weight > 0.0f && item.importance_weight <= 1.0f);
   }

@@ -80,11 +80,11 @@ TableOptions Options(const fs::path& folder) {
   return options;
 }
 
-// Goes on as a replay does: draws, takes a new chunk, saves.
+// Goes on as a replay does: samples, takes a new chunk, saves.
 void CheckTable(ReplayTable& table) {
-  const auto drawn = table.Sample({16, 2}, 0);
-  for (size_t i = 0; drawn && i < drawn->trajectories.size(); ++i) {
-    for (const SampledStep& step : drawn->trajectories[i].steps) {
+  const auto sampled = table.Sample({16, 2}, 0);
+  for (size_t i = 0; sampled && i < sampled->trajectories.size(); ++i) {
+    for (const SampledStep& step : sampled->trajectories[i].steps) {
       Require(kTestBounds.AllowsReward(step.reward) && step.decision.size() == sizeof(Action));
     }
   }

@@ -37,8 +37,8 @@ void CheckRestart(const ReplayState& state) {
   const std::unique_ptr<ChunkIndex> index = indexed.Make();
   index->Restore(state.items);
   Random random(1);
-  if (!index->CanDraw(4)) return;
-  for (const DrawnItems::Item& item : index->Draw(4, 1, random).items) {
+  if (!index->CanSample(4)) return;
+  for (const SampledItems::Item& item : index->SampleItems(4, 1, random).items) {
     Require(item.probability > 0.0f && item.probability <= 1.0f);
     Require(item.importance_weight > 0.0f && item.importance_weight <= 1.0f);
   }

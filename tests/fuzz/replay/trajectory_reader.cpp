@@ -55,10 +55,10 @@ bool Check(std::span<std::byte> input) {
   shape.all_observations = (reader.Get<uint8_t>() & 1) != 0;
   const auto version = reader.Get<uint32_t>();
   if (shape.count > 100) shape.count %= 100;  // no memory is at stake here
-  Result<DrawnItems> drawn = Table().Draw(shape, version);
-  if (!drawn) return false;
-  Require(std::cmp_equal(drawn->items.size(), shape.count));
-  const auto sampled = ReadTrajectories(std::move(*drawn), shape);
+  Result<SampledItems> items = Table().SampleItems(shape, version);
+  if (!items) return false;
+  Require(std::cmp_equal(items->items.size(), shape.count));
+  const auto sampled = ReadTrajectories(std::move(*items), shape);
   Require(sampled.has_value());
   const Bytes bytes = EncodeTrajectories(sampled->trajectories, shape, SchemaHash(kTestSpec));
   Require(bytes.size() == TrajectoriesBytes(sampled->trajectories));

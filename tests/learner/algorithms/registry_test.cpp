@@ -33,7 +33,7 @@ TEST(Registry, EachAlgorithmIsMadeAndDeclaresWhatItsEntrySays) {
     EXPECT_EQ(declared.gives_priorities, said.gives_priorities) << entry.name;
     EXPECT_EQ(declared.acts_from_start, said.acts_from_start) << entry.name;
     EXPECT_EQ((*algorithm)->scalars().size(), said.scalars.size()) << entry.name;
-    EXPECT_FALSE(entry.sentence.empty());
+    EXPECT_FALSE(entry.description.empty());
   }
 }
 

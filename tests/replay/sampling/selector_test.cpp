@@ -16,26 +16,27 @@ double ChiSquareLimit(double degrees) {
   return degrees * t * t * t;
 }
 
-// Draws and compares the counts with `expected` probabilities by slot; also checks each reported probability.
+// Samples and compares the counts with `expected` probabilities by slot; also checks each reported
+// probability.
 void ExpectDistribution(Selector& selector, const std::map<uint32_t, double>& expected, uint64_t seed) {
-  constexpr int kDraws = 200000;
+  constexpr int kSamples = 200000;
   Random random(seed);
   std::map<uint32_t, int> counts;
-  for (int i = 0; i < kDraws; ++i) {
-    const Selector::Draw draw = selector.Sample(random);
-    ASSERT_TRUE(expected.contains(draw.slot)) << draw.slot;
-    ASSERT_NEAR(draw.probability, expected.at(draw.slot), 1e-9);
-    ++counts[draw.slot];
+  for (int i = 0; i < kSamples; ++i) {
+    const Selector::Choice choice = selector.Sample(random);
+    ASSERT_TRUE(expected.contains(choice.slot)) << choice.slot;
+    ASSERT_NEAR(choice.probability, expected.at(choice.slot), 1e-9);
+    ++counts[choice.slot];
   }
   double chi_square = 0.0;
   for (const auto& [slot, probability] : expected) {
-    const double mean = kDraws * probability;
+    const double mean = kSamples * probability;
     chi_square += (counts[slot] - mean) * (counts[slot] - mean) / mean;
   }
   EXPECT_LT(chi_square, ChiSquareLimit(static_cast<double>(expected.size() - 1)));
 }
 
-TEST(UniformSelector, DrawsEveryItemAlikeAfterInsertsAndDeletes) {
+TEST(UniformSelector, SamplesEveryItemAlikeAfterInsertsAndDeletes) {
   const auto selector = MakeSelector(SamplerKind::kUniform, 0.0);
   std::map<uint32_t, double> expected;
   for (uint32_t slot = 0; slot < 300; ++slot) selector->Insert(slot, 1.0);
@@ -50,7 +51,7 @@ TEST(UniformSelector, DrawsEveryItemAlikeAfterInsertsAndDeletes) {
   ExpectDistribution(*selector, expected, 1);
 }
 
-TEST(PrioritizedSelector, DrawsInProportionToThePowerOfThePriority) {
+TEST(PrioritizedSelector, SamplesInProportionToThePowerOfThePriority) {
   constexpr double kAlpha = 0.6;
   const auto selector = MakeSelector(SamplerKind::kPrioritized, kAlpha);
   std::map<uint32_t, double> expected;
@@ -98,9 +99,9 @@ TEST_P(OrderedSelectors, AgreeWithAPlainListUnderRandomOperations) {
     }
     ASSERT_EQ(selector->size(), naive.size());
     if (naive.empty()) continue;
-    const Selector::Draw draw = selector->Sample(random);
-    ASSERT_EQ(draw.slot, GetParam() == SamplerKind::kNewestFirst ? naive.back() : naive.front());
-    ASSERT_EQ(draw.probability, 1.0);
+    const Selector::Choice choice = selector->Sample(random);
+    ASSERT_EQ(choice.slot, GetParam() == SamplerKind::kNewestFirst ? naive.back() : naive.front());
+    ASSERT_EQ(choice.probability, 1.0);
   }
 }
 
@@ -138,9 +139,9 @@ TEST_P(PrioritySelectors, AgreeWithAPlainListUnderRandomOperations) {
     const auto best = std::min_element(naive.begin(), naive.end(), [&](const Entry& a, const Entry& b) {
       return highest ? a.priority > b.priority : a.priority < b.priority;
     });
-    const Selector::Draw draw = selector->Sample(random);
-    ASSERT_EQ(draw.slot, best->slot);
-    ASSERT_EQ(draw.probability, 1.0);
+    const Selector::Choice choice = selector->Sample(random);
+    ASSERT_EQ(choice.slot, best->slot);
+    ASSERT_EQ(choice.probability, 1.0);
   }
 }
 
@@ -150,24 +151,24 @@ INSTANTIATE_TEST_SUITE_P(Kinds, AllSelectors,
                                          SamplerKind::kNewestFirst, SamplerKind::kOldestFirst,
                                          SamplerKind::kHighestPriority, SamplerKind::kLowestPriority));
 
-TEST_P(AllSelectors, ManyDrawsAreThoseOfOneAfterTheOther) {
+TEST_P(AllSelectors, ManySamplesAreThoseOfOneAfterTheOther) {
   const auto selector = MakeSelector(GetParam(), 0.7);
   Random priorities(3);
   for (uint32_t slot = 0; slot < 1000; ++slot) selector->Insert(slot, priorities.Uniform(0.0, 5.0));
   for (uint32_t slot = 0; slot < 1000; slot += 3) selector->Delete(slot);
   Random one(4);
   Random many(4);
-  std::vector<Selector::Draw> draws(300);
-  selector->SampleMany(many, draws);
-  for (const Selector::Draw& draw : draws) {
-    const Selector::Draw expected = selector->Sample(one);
-    ASSERT_EQ(draw.slot, expected.slot);
-    ASSERT_EQ(draw.probability, expected.probability);
+  std::vector<Selector::Choice> choices(300);
+  selector->SampleMany(many, choices);
+  for (const Selector::Choice& choice : choices) {
+    const Selector::Choice expected = selector->Sample(one);
+    ASSERT_EQ(choice.slot, expected.slot);
+    ASSERT_EQ(choice.probability, expected.probability);
   }
   EXPECT_EQ(one.state(), many.state());
 }
 
-TEST_P(AllSelectors, DrawOnlyWhatIsInUnderRandomOperations) {
+TEST_P(AllSelectors, SampleOnlyWhatIsInUnderRandomOperations) {
   const auto selector = MakeSelector(GetParam(), 0.7);
   std::vector<bool> in(500, false);
   size_t size = 0;

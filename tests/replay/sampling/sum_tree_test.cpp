@@ -52,7 +52,7 @@ TEST(SumTree, GrowsInOneLeapAndKeepsWhatItHeld) {
   EXPECT_EQ(tree.Get(99999), 0.0);
 }
 
-TEST(SumTree, NeverDrawsAWeightOfZeroHoweverItRounds) {
+TEST(SumTree, NeverSamplesAWeightOfZeroHoweverItRounds) {
   SumTree tree;
   for (size_t i = 0; i < 1000; ++i) tree.Set(i, i % 7 == 3 ? 0.1 : 0.0);
   Random random(2);

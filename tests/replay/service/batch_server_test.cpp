@@ -74,7 +74,7 @@ TEST_F(BatchServerTest, ARequestWaitsInsideUntilThereIsEnough) {
   EXPECT_EQ(server_->statistics().batches, 1u);
 }
 
-TEST_F(BatchServerTest, DrawsNothingThatNobodyReceives) {
+TEST_F(BatchServerTest, SamplesNothingThatNobodyReceives) {
   MakeServer();
   Insert(1);
   learner_->Ask(4);
@@ -90,8 +90,8 @@ TEST_F(BatchServerTest, ABatchThatFindsTheReaderFullLeavesWhenThereIsRoom) {
   for (int i = 0; i < kReaderHolds + 2; ++i) learner_->Ask(4);
   Serve();
   EXPECT_EQ(server_->statistics().batches, static_cast<uint64_t>(kReaderHolds));
-  EXPECT_EQ(samples_, kReaderHolds + 1) << "one is under way, and no more are drawn before it has left";
-  learner_->Ask(4, kReaderHolds + 1);  // which is that one: it is not drawn again
+  EXPECT_EQ(samples_, kReaderHolds + 1) << "one is under way, and no more are sampled before it has left";
+  learner_->Ask(4, kReaderHolds + 1);  // which is that one: it is not sampled again
   Serve();
   learner_->RepliesTo(1);
   Serve();
@@ -111,7 +111,7 @@ TEST_F(BatchServerTest, ANewLearnerIsServedWhenTheOldOneLeftItsBatchesUntaken) {
   old.reset();
   Serve();
   EXPECT_THAT(Served(request), ElementsAre(true));
-  EXPECT_EQ(samples_, kReaderHolds + 2) << "what waited of the old one is not drawn";
+  EXPECT_EQ(samples_, kReaderHolds + 2) << "what waited of the old one is not sampled";
 }
 
 TEST_F(BatchServerTest, RefusesWhatItCanNeverServeAndSaysWhy) {

@@ -114,7 +114,7 @@ TEST_F(DiskFault, ASegmentThatCannotBeReadAnyMoreIsLeftOutAndTheProcessLives) {
   std::filesystem::resize_file(Shard() / "segment-000000000001.log", 0);
   ASSERT_TRUE(Eventually([&] {
     learner_->Disturb(64);
-    return replay_->Log().find("is not drawn any more") != std::string::npos;
+    return replay_->Log().find("is not sampled any more") != std::string::npos;
   })) << replay_->Log();
   EXPECT_THAT(replay_->Log(), HasSubstr("cannot read " + (Shard() / "segment-000000000001.log").string()));
   AddChunks(20);

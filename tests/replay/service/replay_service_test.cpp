@@ -44,7 +44,7 @@ TEST_F(ReplayServiceTest, EveryAcknowledgedFrameIsThereOnceAfterKillNine) {
   ASSERT_TRUE(learner_->WaitForNoReplay());
   replay_->Start();
   ASSERT_TRUE(learner_->WaitForReplay());
-  const auto counts = DrawAll();
+  const auto counts = SampleAll();
   EXPECT_EQ(counts.size(), actor_->produced() * kFrames);
   for (const auto& [reward, count] : counts) EXPECT_EQ(count, 1) << reward;
 }
@@ -80,7 +80,7 @@ TEST_F(ReplayServiceTest, EveryRequestIsAnsweredOnceBatchesLargeAndSmall) {
   std::vector<uint64_t> asked;
   std::vector<uint64_t> repeated;
   for (int round = 0; round < 20; ++round) {
-    // Large and small in turn, so that one that is drawn later is read sooner.
+    // Large and small in turn, so that one that is sampled later is read sooner.
     for (int i = 0; i < 10; ++i) asked.push_back(learner_->Ask(i % 2 == 0 ? 500 : 1));
     repeated.push_back(learner_->Ask(500, asked[asked.size() - 2]));
     ASSERT_TRUE(Eventually([&] {
@@ -91,7 +91,7 @@ TEST_F(ReplayServiceTest, EveryRequestIsAnsweredOnceBatchesLargeAndSmall) {
   std::map<uint64_t, int> times;
   for (const uint64_t number : learner_->batches()) ++times[number];
   ASSERT_EQ(times.size(), asked.size());
-  // One that was sent before it was asked for again is drawn again.
+  // One that was sent before it was asked for again is sampled again.
   for (const uint64_t number : repeated) EXPECT_LE(std::exchange(times[number], 1), 2) << number;
   for (const auto& [number, count] : times) EXPECT_EQ(count, 1) << number;
 }
@@ -139,7 +139,7 @@ TEST_F(ReplayServiceTest, DuplicatesGarbageAndGapsChangeNothing) {
   for (auto* bytes : {&garbage, &nothing, &duplicate, &gap}) ASSERT_TRUE(actor_->Send(*bytes, 1));
   AddChunks(6);
   ASSERT_TRUE(actor_->PumpUntilStored(10)) << replay_->Log();
-  const auto counts = DrawAll();
+  const auto counts = SampleAll();
   EXPECT_EQ(counts.size(), 40u);
   for (const auto& [reward, count] : counts) EXPECT_LT(reward, TestReward(1, 6, 0));
 }
@@ -285,10 +285,10 @@ TEST_F(ReplayServiceTest, EveryWayNotToStartIsOneLineAndAnExitCode) {
   replay_->Kill();
   Config other = config_;
   other.observation.vehicles = 3;
-  std::filesystem::create_directories(folder_.path() / "alien");
-  std::filesystem::copy(folder_.path() / "run" / "replay", folder_.path() / "alien" / "replay",
+  std::filesystem::create_directories(folder_.path() / "foreign");
+  std::filesystem::copy(folder_.path() / "run" / "replay", folder_.path() / "foreign" / "replay",
                         std::filesystem::copy_options::recursive);
-  fails(folder_.path() / "alien", other, 1, "schema");
+  fails(folder_.path() / "foreign", other, 1, "schema");
   std::filesystem::create_directories(folder_.path() / "blocked");
   std::ofstream(folder_.path() / "blocked" / "replay") << "a file where a folder should be";
   fails(folder_.path() / "blocked", config_, 1, "replay");

@@ -28,9 +28,9 @@ class RequestQueueTest : public testing::Test {
 TEST_F(RequestQueueTest, KeepsTheOrderOfArrivalAndOneCopyOfEach) {
   EXPECT_EQ(Arrive(7, 1), Verdict::kNew);
   EXPECT_EQ(Arrive(7, 2), Verdict::kNew);
-  queue_.front().told = true;
+  queue_.front().notified = true;
   EXPECT_EQ(Arrive(7, 1), Verdict::kKnown);
-  EXPECT_FALSE(queue_.front().told) << "who asks again hears again";
+  EXPECT_FALSE(queue_.front().notified) << "who asks again hears again";
   EXPECT_EQ(Waiting(), Numbers({1, 2}));
 }
 

@@ -47,8 +47,8 @@ class ReplayServiceTest : public testing::Test {
                    .end = static_cast<uint8_t>(second ? kTerminated : 0)});
     }
   }
-  // Draws all that is stored; how often each frame came, by its reward.
-  std::map<float, int> DrawAll() {
+  // Samples all that is stored; how often each frame came, by its reward.
+  std::map<float, int> SampleAll() {
     std::map<float, int> counts;
     TrajectoryDecoder decoder(kTestSpec, kTestBounds);
     for (uint64_t left = actor_->stored() * kFrames; left > 0;) {

@@ -1,4 +1,4 @@
-// A disk on which a forced write takes for ever: inserts wait, draws do not. The replay's two sides in this
+// A disk on which a forced write takes for ever: inserts wait, samples do not. The replay's two sides in this
 // process, over real DDS.
 #include <gtest/gtest.h>
 
@@ -112,7 +112,7 @@ class SlowDisk : public testing::Test {
   std::thread pumping_;
 };
 
-TEST_F(SlowDisk, HoldsUpInsertsAndNotDraws) {
+TEST_F(SlowDisk, HoldsUpInsertsAndNotSamples) {
   Pump();
   ASSERT_TRUE(Eventually([&] { return stored_ > 20 * kActors; }));
   disk_.Close(true);

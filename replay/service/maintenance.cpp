@@ -1,4 +1,4 @@
-#include "replay/service/keeper.h"
+#include "replay/service/maintenance.h"
 
 #include <utility>
 
@@ -18,19 +18,19 @@ constexpr Duration kSnapshotCheckInterval = std::chrono::seconds(10);
 
 }  // namespace
 
-Keeper::Keeper(const ReplayConfig& replay, uint32_t shard, const std::filesystem::path& run_directory,
-               ReplayTable& table, const Clock& clock)
+Maintenance::Maintenance(const ReplayConfig& replay, uint32_t shard,
+                         const std::filesystem::path& run_directory, ReplayTable& table, const Clock& clock)
     : replay_(replay),
       shard_(shard),
       snapshots_(SnapshotFolder(run_directory, shard)),
       table_(table),
-      chores_(clock, ProcessFaults()) {
+      tasks_(clock, ProcessFaults()) {
   if (const Status removed = RemovePartialSnapshots(snapshots_); !removed) {
     spdlog::warn("{}", removed.error().message);
   }
   const TimePoint now = clock.Now();
   const auto every = [&](Duration interval, FaultKind fault, std::function<Status()> work) {
-    if (interval > Duration::zero()) chores_.Add(interval, now + interval, fault, std::move(work));
+    if (interval > Duration::zero()) tasks_.Add(interval, now + interval, fault, std::move(work));
   };
   if (replay_.sync == SyncMode::kInterval) {
     every(FromSeconds(replay_.sync_interval_s), FaultKind::kSync, [this] { return table_.Sync(); });
@@ -41,31 +41,31 @@ Keeper::Keeper(const ReplayConfig& replay, uint32_t shard, const std::filesystem
         [this] { return TakeAutomaticSnapshot(); });
   every(kTidyInterval, FaultKind::kDamage, [this] { return table_.TrimMemory(), table_.DropDamaged(); });
   // The first time at once: snapshots outlive the process that took them.
-  chores_.Add(kSnapshotCheckInterval, now, FaultKind::kSnapshotSpace, [this] { return CheckSnapshots(); });
+  tasks_.Add(kSnapshotCheckInterval, now, FaultKind::kSnapshotSpace, [this] { return CheckSnapshots(); });
 }
 
-void Keeper::Run(const std::atomic<bool>& stop) {
-  const WorkingThread working("keep");
+void Maintenance::Run(const std::atomic<bool>& stop) {
+  const WorkingThread working("maintain");
   while (!stop.load()) {
     const auto job = jobs_.Pop(kWait);
     const LongWork on_disk(kSlowDisk);
     if (job) DoJob(*job);
-    chores_.DoDue();
+    tasks_.RunDue();
   }
 }
 
-bool Keeper::Do(uint64_t job, std::function<Result<std::string>()> work) {
+bool Maintenance::Do(uint64_t job, std::function<Result<std::string>()> work) {
   Job handed{.id = job, .work = std::move(work)};
   return jobs_.TryPush(handed);
 }
 
-void Keeper::DoJob(const Job& job) {
+void Maintenance::DoJob(const Job& job) {
   Done done{.job = job.id, .outcome = job.work()};
   // Nobody took so many outcomes: nobody waits for this one.
   static_cast<void>(done_.TryPush(done));
 }
 
-Result<std::string> Keeper::TakeSnapshot(const std::string& name) {
+Result<std::string> Maintenance::TakeSnapshot(const std::string& name) {
   DADRL_RETURN_IF_ERROR(CheckSnapshotName(name));
   DADRL_ASSIGN_OR_RETURN(const SnapshotReport report, table_.Snapshot(snapshots_ / name));
   const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
@@ -76,7 +76,7 @@ Result<std::string> Keeper::TakeSnapshot(const std::string& name) {
       static_cast<double>(report.copied_bytes) / 1e6, use.snapshots, static_cast<double>(use.bytes) / 1e6);
 }
 
-Status Keeper::CheckSnapshots() {
+Status Maintenance::CheckSnapshots() {
   const SnapshotUse use = UseOfSnapshots(snapshots_, table_.directory());
   snapshot_bytes_.store(use.bytes);
   if (use.bytes <= static_cast<uint64_t>(replay_.max_disk_bytes)) return {};
@@ -88,7 +88,7 @@ Status Keeper::CheckSnapshots() {
       shard_, use.snapshots, use.bytes, replay_.max_disk_bytes, snapshots_.string(), replay_.snapshots_kept);
 }
 
-Status Keeper::TakeAutomaticSnapshot() {
+Status Maintenance::TakeAutomaticSnapshot() {
   DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(NextSnapshotName(snapshots_, WallTimeNs())));
   spdlog::info("{}", said);
   return RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);

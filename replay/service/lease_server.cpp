@@ -1,4 +1,4 @@
-#include "replay/service/lease_office.h"
+#include "replay/service/lease_server.h"
 
 #include <algorithm>
 #include <string>
@@ -24,7 +24,7 @@ std::string Who(const dadrl_idl_LeaseRequest& message) {
   return fmt::format("{}, pid {}", Shown(message.host, sizeof(message.host)), message.pid);
 }
 
-uint32_t DrawFirstAny() {
+uint32_t RandomFirstAny() {
   Random random(static_cast<uint64_t>(WallTimeNs()));
   return LeaseTable::kFirstAny +
          static_cast<uint32_t>(random.Below(LeaseTable::kMaxNumber - LeaseTable::kFirstAny));
@@ -32,7 +32,7 @@ uint32_t DrawFirstAny() {
 
 }  // namespace
 
-Result<std::unique_ptr<LeaseOffice>> LeaseOffice::Create(const Transport& transport, const Config& config,
+Result<std::unique_ptr<LeaseServer>> LeaseServer::Create(const Transport& transport, const Config& config,
                                                          uint64_t schema, uint64_t least_incarnation,
                                                          const Clock& clock) {
   AnswerWriters answers;
@@ -40,12 +40,12 @@ Result<std::unique_ptr<LeaseOffice>> LeaseOffice::Create(const Transport& transp
     DADRL_ASSIGN_OR_RETURN(answers[group], AnswerWriter::Create(transport, LeaseAnswerTopic({.low = group})));
   }
   DADRL_ASSIGN_OR_RETURN(auto requests, RequestReader::Create(transport, kLeaseRequestTopic));
-  LeaseTable table(static_cast<uint32_t>(config.actor.count), DrawFirstAny(), clock.Now());
-  return std::unique_ptr<LeaseOffice>(new LeaseOffice(std::move(requests), std::move(answers),
+  LeaseTable table(static_cast<uint32_t>(config.actor.count), RandomFirstAny(), clock.Now());
+  return std::unique_ptr<LeaseServer>(new LeaseServer(std::move(requests), std::move(answers),
                                                       std::move(table), schema, least_incarnation, clock));
 }
 
-LeaseOffice::LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,
+LeaseServer::LeaseServer(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,
                          uint64_t schema, uint64_t least_incarnation, const Clock& clock)
     : requests_(std::move(requests)),
       answers_(std::move(answers)),
@@ -54,14 +54,14 @@ LeaseOffice::LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters 
       least_incarnation_(least_incarnation),
       clock_(clock) {}
 
-void LeaseOffice::Serve() {
+void LeaseServer::Serve() {
   const TimePoint now = clock_.Now();
   if (served_at_ && now - *served_at_ > kDeafAfter) deaf_ += now - *served_at_;
   served_at_ = now;
   requests_->Take(256, [this](const dadrl_idl_LeaseRequest& message) { OnRequest(message); });
 }
 
-void LeaseOffice::OnRequest(const dadrl_idl_LeaseRequest& message) {
+void LeaseServer::OnRequest(const dadrl_idl_LeaseRequest& message) {
   const LeaseTable::Answer answer = Decide(message);
   if (answer.verdict == LeaseVerdict::kGranted && (message.incarnation != 0 || message.leaving)) return;
   Log(message, answer);
@@ -79,7 +79,7 @@ void LeaseOffice::OnRequest(const dadrl_idl_LeaseRequest& message) {
   static_cast<void>(answers_[message.token_low % kAcknowledgementGroups]->Write(sample));
 }
 
-LeaseTable::Answer LeaseOffice::Decide(const dadrl_idl_LeaseRequest& message) {
+LeaseTable::Answer LeaseServer::Decide(const dadrl_idl_LeaseRequest& message) {
   if (message.protocol != kProtocolVersion) {
     return {
         .verdict = LeaseVerdict::kIncompatible,
@@ -107,7 +107,7 @@ LeaseTable::Answer LeaseOffice::Decide(const dadrl_idl_LeaseRequest& message) {
                     std::max(least_incarnation_, static_cast<uint64_t>(WallTimeNs())));
 }
 
-void LeaseOffice::Log(const dadrl_idl_LeaseRequest& message, const LeaseTable::Answer& answer) {
+void LeaseServer::Log(const dadrl_idl_LeaseRequest& message, const LeaseTable::Answer& answer) {
   const bool refused = answer.verdict != LeaseVerdict::kGranted && answer.verdict != LeaseVerdict::kWait;
   if (!refused || clock_.Now() < next_log_) return;
   next_log_ = clock_.Now() + kLogInterval;

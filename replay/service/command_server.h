@@ -12,22 +12,22 @@
 #include "common/port/port.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
-#include "replay/service/keeper.h"
+#include "replay/service/maintenance.h"
 #include "replay/table.h"
 
 namespace dadrl {
 
-// Not thread safe; never blocks. What needs the disk is the keeper's to do, in its turn; a command is
+// Not thread safe; never blocks. What needs the disk is Maintenance's to do, in its turn; a command is
 // answered once that is done, and again whenever it is repeated. Bounded: the last kRemembered commands.
-class CommandDesk {
+class CommandServer {
  public:
   static constexpr size_t kRemembered = 64;
 
-  // Borrows `table` and `keeper`. `on_limit` is called after the rate limiter changed: both sides may be
+  // Borrows `table` and `maintenance`. `on_limit` is called after the rate limiter changed: both sides may be
   // waiting.
-  static Result<std::unique_ptr<CommandDesk>> Create(const Transport& transport, uint32_t shard,
-                                                     ReplayTable& table, Keeper& keeper,
-                                                     std::function<void()> on_limit);
+  static Result<std::unique_ptr<CommandServer>> Create(const Transport& transport, uint32_t shard,
+                                                       ReplayTable& table, Maintenance& maintenance,
+                                                       std::function<void()> on_limit);
   // Takes what has arrived, answers what is done.
   void Serve();
 
@@ -37,17 +37,17 @@ class CommandDesk {
   using Outcome = Result<std::string>;
   struct Known {
     uint64_t command = 0;
-    std::optional<Outcome> outcome{};  // nothing: the keeper is at it
+    std::optional<Outcome> outcome{};  // nothing: it is under way
   };
 
-  CommandDesk(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers, uint32_t shard,
-              ReplayTable& table, Keeper& keeper, std::function<void()> on_limit);
+  CommandServer(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers,
+                uint32_t shard, ReplayTable& table, Maintenance& maintenance, std::function<void()> on_limit);
   void OnCommand(const dadrl_idl_ReplayCommand& command);
   // The outcome, if there is one at once.
   std::optional<Outcome> Begin(const dadrl_idl_ReplayCommand& command);
   std::optional<Outcome> ChangeLimit(const dadrl_idl_ReplayCommand& command);
   // Nothing, or that too much is to be done already.
-  std::optional<Outcome> GiveToKeeper(uint64_t command, std::function<Outcome()> work);
+  std::optional<Outcome> Enqueue(uint64_t command, std::function<Outcome()> work);
   void OnDone(uint64_t command, Outcome outcome);
   void Answer(const Known& known);
 
@@ -55,7 +55,7 @@ class CommandDesk {
   const std::unique_ptr<AnswerWriter> answers_;
   const uint32_t shard_;
   ReplayTable& table_;
-  Keeper& keeper_;
+  Maintenance& maintenance_;
   const std::function<void()> on_limit_;
   std::deque<Known> known_;
 };

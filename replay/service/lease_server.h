@@ -19,10 +19,10 @@ namespace dadrl {
 // is another's. A program of another version, or with other columns, is refused with both sides named.
 // Time in which Serve was not called (the process was stopped, or got no core) ends no lease: nobody was
 // heard.
-class LeaseOffice {
+class LeaseServer {
  public:
   // `least_incarnation`: above that of every chunk that is stored. Borrows `clock`.
-  static Result<std::unique_ptr<LeaseOffice>> Create(const Transport& transport, const Config& config,
+  static Result<std::unique_ptr<LeaseServer>> Create(const Transport& transport, const Config& config,
                                                      uint64_t schema, uint64_t least_incarnation,
                                                      const Clock& clock);
   // Answers what has arrived.
@@ -33,7 +33,7 @@ class LeaseOffice {
   using AnswerWriter = Writer<dadrl_idl_LeaseAnswer>;
   using AnswerWriters = std::array<std::unique_ptr<AnswerWriter>, kAcknowledgementGroups>;
 
-  LeaseOffice(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,
+  LeaseServer(std::unique_ptr<RequestReader> requests, AnswerWriters answers, LeaseTable table,
               uint64_t schema, uint64_t least_incarnation, const Clock& clock);
   void OnRequest(const dadrl_idl_LeaseRequest& message);
   LeaseTable::Answer Decide(const dadrl_idl_LeaseRequest& message);

@@ -1,5 +1,5 @@
-// Actors that ask for numbers, and the replay's office that gives them out, on a clock of the test's.
-#include "replay/service/lease_office.h"
+// Actors that ask for numbers, and the replay's server that gives them out, on a clock of the test's.
+#include "replay/service/lease_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,19 +15,19 @@ using testing::HasSubstr;
 
 constexpr uint64_t kSchema = 0xabc;
 
-class LeaseOfficeTest : public testing::Test {
+class LeaseServerTest : public testing::Test {
  protected:
-  LeaseOfficeTest() {
+  LeaseServerTest() {
     Open();
     Pass(kLeaseTerm);
   }
   // The replay serves, and hears nobody.
   void Pass(Duration duration) {
     for (const TimePoint end = clock_.Now() + duration; clock_.Now() < end; clock_.Advance(500ms)) {
-      office_->Serve();
+      server_->Serve();
     }
   }
-  void Open() { office_ = LeaseOffice::Create(transport_, config_, kSchema, 0, clock_).value(); }
+  void Open() { server_ = LeaseServer::Create(transport_, config_, kSchema, 0, clock_).value(); }
   std::unique_ptr<LeaseHolder> Actor(uint64_t token, std::optional<uint32_t> number,
                                      uint64_t schema = kSchema) {
     return LeaseHolder::Create(
@@ -37,7 +37,7 @@ class LeaseOfficeTest : public testing::Test {
   // Time passes while an actor waits, and the replay answers.
   Result<LeaseHolder::Lease> Acquire(LeaseHolder& actor) {
     return actor.Acquire([this] {
-      office_->Serve();
+      server_->Serve();
       clock_.Advance(250ms);
       return true;
     });
@@ -47,7 +47,7 @@ class LeaseOfficeTest : public testing::Test {
     bool holds = true;
     for (const TimePoint end = clock_.Now() + duration; holds && clock_.Now() < end;) {
       holds = actor.Step(clock_.Now());
-      office_->Serve();
+      server_->Serve();
       clock_.Advance(10ms);
     }
     return holds;
@@ -56,10 +56,10 @@ class LeaseOfficeTest : public testing::Test {
   Config config_;
   ManualClock clock_;
   const MemoryTransport transport_{clock_};
-  std::unique_ptr<LeaseOffice> office_;
+  std::unique_ptr<LeaseServer> server_;
 };
 
-TEST_F(LeaseOfficeTest, OfTwoThatWantANumberOneHasItAndTheOtherIsToldWhoUntilThatOneLeaves) {
+TEST_F(LeaseServerTest, OfTwoThatWantANumberOneHasItAndTheOtherIsToldWhoUntilThatOneLeaves) {
   auto first = Actor(1, 7);
   const auto lease = Acquire(*first);
   ASSERT_TRUE(lease) << lease.error().message;
@@ -79,7 +79,7 @@ TEST_F(LeaseOfficeTest, OfTwoThatWantANumberOneHasItAndTheOtherIsToldWhoUntilTha
   EXPECT_GT(given->incarnation, lease->incarnation);
 }
 
-TEST_F(LeaseOfficeTest, AHolderThatWasAwayTooLongIsToldWhoHasItsNumber) {
+TEST_F(LeaseServerTest, AHolderThatWasAwayTooLongIsToldWhoHasItsNumber) {
   auto old = Actor(1, 7);
   ASSERT_TRUE(Acquire(*old));
   Pass(kLeaseTerm);
@@ -90,10 +90,10 @@ TEST_F(LeaseOfficeTest, AHolderThatWasAwayTooLongIsToldWhoHasItsNumber) {
   EXPECT_TRUE(Live(*fresh, 10s));
 }
 
-TEST_F(LeaseOfficeTest, AReplayThatGotNoCoreForAWhileTakesNumbersFromNobody) {
+TEST_F(LeaseServerTest, AReplayThatGotNoCoreForAWhileTakesNumbersFromNobody) {
   auto holder = Actor(1, 7);
   ASSERT_TRUE(Acquire(*holder));
-  office_->Serve();
+  server_->Serve();
   clock_.Advance(2 * kLeaseTerm);
   // Who asks for the number is heard before its holder is.
   auto other = Actor(2, 7);
@@ -102,10 +102,10 @@ TEST_F(LeaseOfficeTest, AReplayThatGotNoCoreForAWhileTakesNumbersFromNobody) {
   EXPECT_EQ(holder->lost(), "");
 }
 
-TEST_F(LeaseOfficeTest, AReplayThatWasStartedAgainHearsWhoHasWhichNumber) {
+TEST_F(LeaseServerTest, AReplayThatWasStartedAgainHearsWhoHasWhichNumber) {
   auto holder = Actor(1, 7);
   ASSERT_TRUE(Acquire(*holder));
-  office_.reset();
+  server_.reset();
   Open();
   EXPECT_TRUE(holder->connected());
   auto other = Actor(2, 7);
@@ -118,7 +118,7 @@ TEST_F(LeaseOfficeTest, AReplayThatWasStartedAgainHearsWhoHasWhichNumber) {
   EXPECT_TRUE(Live(*holder, 10s));
 }
 
-TEST_F(LeaseOfficeTest, OtherObservationsAreTurnedAwayWithBothSidesNamed) {
+TEST_F(LeaseServerTest, OtherObservationsAreTurnedAwayWithBothSidesNamed) {
   auto actor = Actor(1, 7, 0xdef);
   const auto refused = Acquire(*actor);
   ASSERT_FALSE(refused);
@@ -126,7 +126,7 @@ TEST_F(LeaseOfficeTest, OtherObservationsAreTurnedAwayWithBothSidesNamed) {
   EXPECT_THAT(refused.error().message, HasSubstr("schema 0xdef, the replay holds 0xabc"));
 }
 
-TEST_F(LeaseOfficeTest, AnotherVersionIsTurnedAwayWithBothSidesNamed) {
+TEST_F(LeaseServerTest, AnotherVersionIsTurnedAwayWithBothSidesNamed) {
   const auto answers = Reader<dadrl_idl_LeaseAnswer>::Create(transport_, LeaseAnswerTopic({1, 1})).value();
   const auto requests = Writer<dadrl_idl_LeaseRequest>::Create(transport_, kLeaseRequestTopic).value();
   dadrl_idl_LeaseRequest request{};
@@ -136,7 +136,7 @@ TEST_F(LeaseOfficeTest, AnotherVersionIsTurnedAwayWithBothSidesNamed) {
   std::string reason;
   uint32_t version = 0;
   ASSERT_TRUE(requests->Write(request));
-  office_->Serve();
+  server_->Serve();
   answers->Take(1, [&](const dadrl_idl_LeaseAnswer& answer) {
     version = answer.protocol;
     reason = answer.reason;

@@ -1,4 +1,4 @@
-// What is done again and again: each chore at its own interval.
+// What is done again and again: each task at its own interval.
 #pragma once
 
 #include <functional>
@@ -10,22 +10,22 @@
 
 namespace dadrl {
 
-// Not thread safe. A failure is a fault of the board until the chore succeeds again; and what failed is left
+// Not thread safe. A failure is a fault of the board until the task succeeds again; and what failed is left
 // alone for a while: a full disk does not fill up with attempts.
-class Chores {
+class PeriodicTasks {
  public:
   static constexpr Duration kRetryInterval = std::chrono::seconds(1);
 
   // Borrows both.
-  Chores(const Clock& clock, FaultBoard& faults) : clock_(clock), faults_(faults) {}
+  PeriodicTasks(const Clock& clock, FaultBoard& faults) : clock_(clock), faults_(faults) {}
 
   // Every `interval` from `first` on; `fault` is what it is while the work fails.
   void Add(Duration interval, TimePoint first, FaultKind fault, std::function<Status()> work);
   // Those that are due, in the order in which they were added.
-  void DoDue();
+  void RunDue();
 
  private:
-  struct Chore {
+  struct Task {
     Duration interval{};
     TimePoint due{};
     FaultKind fault{};
@@ -33,7 +33,7 @@ class Chores {
   };
   const Clock& clock_;
   FaultBoard& faults_;
-  std::vector<Chore> chores_;
+  std::vector<Task> tasks_;
 };
 
 }  // namespace dadrl

@@ -1,4 +1,4 @@
-#include "replay/service/command_desk.h"
+#include "replay/service/command_server.h"
 
 #include <algorithm>
 #include <utility>
@@ -17,31 +17,32 @@ std::string Describe(uint32_t shard, const RateLimiter::Options& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<CommandDesk>> CommandDesk::Create(const Transport& transport, uint32_t shard,
-                                                         ReplayTable& table, Keeper& keeper,
-                                                         std::function<void()> on_limit) {
+Result<std::unique_ptr<CommandServer>> CommandServer::Create(const Transport& transport, uint32_t shard,
+                                                             ReplayTable& table, Maintenance& maintenance,
+                                                             std::function<void()> on_limit) {
   // The writer first: who finds the reader can already be answered.
   DADRL_ASSIGN_OR_RETURN(auto answers, AnswerWriter::Create(transport, kReplayAnswerTopic));
   DADRL_ASSIGN_OR_RETURN(auto commands, CommandReader::Create(transport, kReplayCommandTopic));
-  return std::unique_ptr<CommandDesk>(
-      new CommandDesk(std::move(commands), std::move(answers), shard, table, keeper, std::move(on_limit)));
+  return std::unique_ptr<CommandServer>(new CommandServer(std::move(commands), std::move(answers), shard,
+                                                          table, maintenance, std::move(on_limit)));
 }
 
-CommandDesk::CommandDesk(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers,
-                         uint32_t shard, ReplayTable& table, Keeper& keeper, std::function<void()> on_limit)
+CommandServer::CommandServer(std::unique_ptr<CommandReader> commands, std::unique_ptr<AnswerWriter> answers,
+                             uint32_t shard, ReplayTable& table, Maintenance& maintenance,
+                             std::function<void()> on_limit)
     : commands_(std::move(commands)),
       answers_(std::move(answers)),
       shard_(shard),
       table_(table),
-      keeper_(keeper),
+      maintenance_(maintenance),
       on_limit_(std::move(on_limit)) {}
 
-void CommandDesk::Serve() {
+void CommandServer::Serve() {
   commands_->Take(16, [this](const dadrl_idl_ReplayCommand& command) { OnCommand(command); });
-  while (auto done = keeper_.TakeDone()) OnDone(done->job, std::move(done->outcome));
+  while (auto done = maintenance_.TakeDone()) OnDone(done->job, std::move(done->outcome));
 }
 
-void CommandDesk::OnCommand(const dadrl_idl_ReplayCommand& command) {
+void CommandServer::OnCommand(const dadrl_idl_ReplayCommand& command) {
   if (command.shard != shard_) return;
   const auto known = std::find_if(known_.begin(), known_.end(),
                                   [&](const Known& one) { return one.command == command.command; });
@@ -54,19 +55,19 @@ void CommandDesk::OnCommand(const dadrl_idl_ReplayCommand& command) {
   if (auto outcome = Begin(command)) OnDone(command.command, std::move(*outcome));
 }
 
-std::optional<CommandDesk::Outcome> CommandDesk::Begin(const dadrl_idl_ReplayCommand& command) {
+std::optional<CommandServer::Outcome> CommandServer::Begin(const dadrl_idl_ReplayCommand& command) {
   switch (static_cast<ReplayCommandKind>(command.kind)) {
     case ReplayCommandKind::kLimit:
       return ChangeLimit(command);
     case ReplayCommandKind::kSnapshot:
-      return GiveToKeeper(command.command, [this, name = std::string(command.snapshot)] {
-        return keeper_.TakeSnapshot(name);
+      return Enqueue(command.command, [this, name = std::string(command.snapshot)] {
+        return maintenance_.TakeSnapshot(name);
       });
   }
   return Fail(ErrorCode::kInvalidArgument, "shard {} does not know command {}", shard_, command.kind);
 }
 
-std::optional<CommandDesk::Outcome> CommandDesk::ChangeLimit(const dadrl_idl_ReplayCommand& command) {
+std::optional<CommandServer::Outcome> CommandServer::ChangeLimit(const dadrl_idl_ReplayCommand& command) {
   const RateLimiter::Options before = table_.limiter_options();
   const Result<RateLimiter::Options> changed = ChangedLimits(before, command);
   if (!changed) return Fail(ErrorCode::kInvalidArgument, "shard {}: {}", shard_, changed.error().message);
@@ -75,20 +76,20 @@ std::optional<CommandDesk::Outcome> CommandDesk::ChangeLimit(const dadrl_idl_Rep
   table_.Reconfigure(options);
   on_limit_();
   // In force at once; said when it also outlives a restart.
-  return GiveToKeeper(command.command, [this, options = options]() -> Outcome {
+  return Enqueue(command.command, [this, options = options]() -> Outcome {
     DADRL_RETURN_IF_ERROR(table_.SaveState());
     return Describe(shard_, options);
   });
 }
 
-std::optional<CommandDesk::Outcome> CommandDesk::GiveToKeeper(uint64_t command,
-                                                              std::function<Outcome()> work) {
-  if (keeper_.Do(command, std::move(work))) return std::nullopt;
+std::optional<CommandServer::Outcome> CommandServer::Enqueue(uint64_t command,
+                                                             std::function<Outcome()> work) {
+  if (maintenance_.Do(command, std::move(work))) return std::nullopt;
   return Fail(ErrorCode::kExhausted, "shard {}: {} commands wait for its disk already; try again later",
-              shard_, Keeper::kMaxJobs);
+              shard_, Maintenance::kMaxJobs);
 }
 
-void CommandDesk::OnDone(uint64_t command, Outcome outcome) {
+void CommandServer::OnDone(uint64_t command, Outcome outcome) {
   if (outcome) {
     spdlog::info("{}", *outcome);
   } else {
@@ -101,7 +102,7 @@ void CommandDesk::OnDone(uint64_t command, Outcome outcome) {
   Answer(*known);
 }
 
-void CommandDesk::Answer(const Known& known) {
+void CommandServer::Answer(const Known& known) {
   const std::string& text = *known.outcome ? **known.outcome : known.outcome->error().message;
   dadrl_idl_ReplayAnswer answer{};
   answer.shard = shard_;

@@ -1,5 +1,5 @@
-// A keeper whose disk takes for ever holds up no command that does not need it.
-#include "replay/service/command_desk.h"
+// A maintenance whose disk takes for ever holds up no command that does not need it.
+#include "replay/service/command_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,26 +17,26 @@ namespace {
 
 using testing::HasSubstr;
 
-class CommandDeskTest : public testing::Test {
+class CommandServerTest : public testing::Test {
  protected:
-  CommandDeskTest() {
+  CommandServerTest() {
     replay_.min_size = 100;
     replay_.state_interval_s = 3600.0;
     table_ = ReplayTable::Open(
                  {.directory = folder_.path() / "replay" / "shard-0", .spec = kTestSpec, .replay = replay_},
                  clock_)
                  .value();
-    keeper_ = std::make_unique<Keeper>(replay_, 0, folder_.path(), *table_, clock_);
-    desk_ = CommandDesk::Create(transport_, 0, *table_, *keeper_, [this] { ++limits_; }).value();
+    maintenance_ = std::make_unique<Maintenance>(replay_, 0, folder_.path(), *table_, clock_);
+    server_ = CommandServer::Create(transport_, 0, *table_, *maintenance_, [this] { ++limits_; }).value();
     answers_ = Reader<dadrl_idl_ReplayAnswer>::Create(transport_, kReplayAnswerTopic).value();
     commands_ = Writer<dadrl_idl_ReplayCommand>::Create(transport_, kReplayCommandTopic).value();
   }
-  ~CommandDeskTest() override {
+  ~CommandServerTest() override {
     stop_ = true;
-    if (keeping_.joinable()) keeping_.join();
+    if (running_.joinable()) running_.join();
   }
-  void RunKeeper() {
-    keeping_ = std::thread([this] { keeper_->Run(stop_); });
+  void RunMaintenance() {
+    running_ = std::thread([this] { maintenance_->Run(stop_); });
   }
   static dadrl_idl_ReplayCommand Snapshot(const std::string& name) {
     dadrl_idl_ReplayCommand command{};
@@ -65,7 +65,7 @@ class CommandDeskTest : public testing::Test {
     return answered_[number];
   }
   void Serve() {
-    desk_->Serve();
+    server_->Serve();
     answers_->Take(64,
                    [this](const dadrl_idl_ReplayAnswer& answer) { answered_[answer.command] = answer.text; });
   }
@@ -74,18 +74,18 @@ class CommandDeskTest : public testing::Test {
   SystemClock clock_;
   ReplayConfig replay_;
   std::unique_ptr<ReplayTable> table_;
-  std::unique_ptr<Keeper> keeper_;
+  std::unique_ptr<Maintenance> maintenance_;
   const MemoryTransport transport_;
-  std::unique_ptr<CommandDesk> desk_;
+  std::unique_ptr<CommandServer> server_;
   std::unique_ptr<Reader<dadrl_idl_ReplayAnswer>> answers_;
   std::unique_ptr<Writer<dadrl_idl_ReplayCommand>> commands_;
   std::map<uint64_t, std::string> answered_;
   int limits_ = 0;
   std::atomic<bool> stop_{false};
-  std::thread keeping_;
+  std::thread running_;
 };
 
-TEST_F(CommandDeskTest, ASnapshotThatTakesForEverHoldsUpNoOtherCommand) {
+TEST_F(CommandServerTest, ASnapshotThatTakesForEverHoldsUpNoOtherCommand) {
   Send(Snapshot("slow"), 1);
   Send(Limit(50), 2);
   Send(Limit(0), 3);
@@ -96,14 +96,14 @@ TEST_F(CommandDeskTest, ASnapshotThatTakesForEverHoldsUpNoOtherCommand) {
   AnswerTo(4);
   EXPECT_FALSE(answered_.contains(1));
   EXPECT_FALSE(answered_.contains(2)) << "not on disk yet";
-  RunKeeper();
+  RunMaintenance();
   EXPECT_THAT(AnswerTo(1), HasSubstr("snapshot"));
   EXPECT_THAT(AnswerTo(2), HasSubstr("from 50 frames on"));
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "snapshots" / "shard-0" / "slow"));
 }
 
-TEST_F(CommandDeskTest, WhatIsRepeatedIsAnsweredAgainAndNotDoneAgain) {
-  RunKeeper();
+TEST_F(CommandServerTest, WhatIsRepeatedIsAnsweredAgainAndNotDoneAgain) {
+  RunMaintenance();
   Send(Snapshot("once"), 1);
   EXPECT_THAT(AnswerTo(1), HasSubstr("snapshot"));
   answered_.clear();
@@ -111,12 +111,12 @@ TEST_F(CommandDeskTest, WhatIsRepeatedIsAnsweredAgainAndNotDoneAgain) {
   EXPECT_THAT(AnswerTo(1), HasSubstr("snapshot")) << "and not that it exists";
 }
 
-TEST_F(CommandDeskTest, MoreThanTheKeeperCanRememberIsRefused) {
+TEST_F(CommandServerTest, MoreThanTheKeeperCanRememberIsRefused) {
   const auto refused = [](const auto& answer) {
     return answer.second.find("wait for its disk already") != std::string::npos;
   };
   EXPECT_TRUE(Eventually([&] {
-    for (uint64_t number = 1; number <= Keeper::kMaxJobs + 1; ++number) {
+    for (uint64_t number = 1; number <= Maintenance::kMaxJobs + 1; ++number) {
       Send(Snapshot(fmt::format("s{}", number)), number);
       Serve();
     }
