@@ -3,7 +3,7 @@
 # (a weak symbol) may be the one that the linker keeps for all, so each must name its instruction set.
 # Usage: check_symbols.sh OBJECT...; objects other than *_avx2* and *_avx512* are not looked at.
 set -eu
-checked=0
+seen=
 for object in "$@"; do
   case $object in
     *_avx512*) isa=avx512 ;;
@@ -16,6 +16,6 @@ for object in "$@"; do
     echo "$object shares:" && echo "$shared"
     exit 1
   fi
-  checked=$((checked + 1))
+  case $seen in *"$isa "*) ;; *) seen="$seen$isa " ;; esac
 done
-[ "$checked" -eq 2 ] || { echo "expected the objects of two instruction sets, saw $checked"; exit 1; }
+[ "$(printf '%s' "$seen" | wc -w)" -eq 2 ] || { echo "expected the objects of avx2 and avx512, saw: $seen"; exit 1; }
