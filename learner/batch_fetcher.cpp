@@ -134,8 +134,7 @@ FetchStats BatchFetcher::stats() const {
 }
 
 void BatchFetcher::Step() {
-  while (endpoints_.priorities->Step(Duration::zero())) {
-  }
+  endpoints_.priorities->Step();
   if (!stopping_.load()) Fetch();
 }
 

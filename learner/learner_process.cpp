@@ -42,7 +42,7 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
   TelemetryPublisher telemetry(config, *node);
   CheckpointWriter checkpoints(std::move(*store), clock);
   DADRL_ASSIGN_OR_RETURN(const auto publisher,
-                         WeightPublisher::Create(*node, std::move(reserve), progress.weights_version));
+                         WeightPublisher::Create(*node, std::move(reserve), progress.weights_version, clock));
   publisher->Start();
   const auto newest_version = [&publisher] { return publisher->newest_version(); };
   DADRL_ASSIGN_OR_RETURN(const auto fetcher, BatchFetcher::Create(*node, config, algorithm->spec().batch,

@@ -23,15 +23,10 @@ PrioritySender::PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>>
 }
 
 void PrioritySender::Start() {
-  thread_ = std::thread([this] {
-    while (!stopping_.load()) Step(std::chrono::seconds(1));
+  thread_.emplace([this](bool last) {
+    if (!last) Step();
+    return BackgroundThread::kUntilWoken;
   });
-}
-
-PrioritySender::~PrioritySender() {
-  stopping_.store(true);
-  filled_.Close();
-  if (thread_.joinable()) thread_.join();
 }
 
 void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::span<const float> priorities) {
@@ -47,12 +42,18 @@ void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::s
   for (float& priority : bounded) priority = std::min(priority, most_);
   Message* filled = *message;
   static_cast<void>(filled_.TryPush(filled));  // has room for all
+  if (thread_) thread_->Wake();
 }
 
-bool PrioritySender::Step(Duration timeout) {
-  const std::optional<Message*> next = filled_.Pop(timeout);
-  if (!next) return false;
-  Message& message = **next;
+void PrioritySender::Step() {
+  while (const std::optional<Message*> next = filled_.Pop(Duration::zero())) {
+    Write(**next);
+    Message* free = *next;
+    static_cast<void>(free_.TryPush(free));  // has room for all
+  }
+}
+
+void PrioritySender::Write(Message& message) {
   dadrl_idl_PriorityUpdate sample{};
   sample.shard = message.shard;
   sample.learner = incarnation_;
@@ -60,9 +61,6 @@ bool PrioritySender::Step(Duration timeout) {
   sample.keys = {count, count, message.keys.data(), false};
   sample.priorities = {count, count, message.priorities.data(), false};
   if (!writer_->Write(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
-  Message* free = &message;
-  static_cast<void>(free_.TryPush(free));  // has room for all
-  return true;
 }
 
 }  // namespace dadrl

@@ -4,14 +4,14 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "common/dds/node.h"
 #include "common/port/port.h"
+#include "common/util/background_thread.h"
 #include "common/util/bounded_queue.h"
-#include "common/util/clock.h"
 #include "common/util/result.h"
 #include "proto/topics.h"
 
@@ -23,12 +23,11 @@ class PrioritySender {
  public:
   static Result<std::unique_ptr<PrioritySender>> Create(const Transport& transport, uint64_t incarnation,
                                                         double most);
-  ~PrioritySender();
 
   // Steps on a thread of its own from now on.
   void Start();
-  // Writes the next of what was given to Send; waits for it at most `timeout`. False when there is none.
-  bool Step(Duration timeout);
+  // Writes what was given to Send.
+  void Step();
 
   // Copies both; `keys` and `priorities` are equally long. Dropped and counted when the sender is behind:
   // stale priorities are not worth waiting for.
@@ -44,6 +43,7 @@ class PrioritySender {
   };
   static constexpr size_t kMessages = 8;
 
+  void Write(Message& message);
   PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation, double most);
 
   std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer_;
@@ -53,8 +53,7 @@ class PrioritySender {
   BoundedQueue<Message*> free_{kMessages};
   BoundedQueue<Message*> filled_{kMessages};
   std::atomic<uint64_t> dropped_{0};
-  std::atomic<bool> stopping_{false};
-  std::thread thread_;
+  std::optional<BackgroundThread> thread_;
 };
 
 }  // namespace dadrl

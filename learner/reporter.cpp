@@ -44,7 +44,7 @@ void Reporter::Report() {
 
   const double all_s = activity.AllSeconds() - activity_.AllSeconds();
   const double work_s = activity[Activity::kWork].seconds - activity_[Activity::kWork].seconds;
-  const LogContext context{.wall_time_s = 1e-9 * static_cast<double>(WallTimeNs()),
+  const LogContext context{.wall_time_s = 1e-9 * static_cast<double>(parts_.clock.WallTimeNs()),
                            .interval_s = ToSeconds(now - reported_at_),
                            .batch_bytes = static_cast<double>(fetched.bytes - batch_bytes_),
                            .replay_frames = static_cast<double>(fetched.frames_held),

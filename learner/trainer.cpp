@@ -97,7 +97,7 @@ Status Trainer::Publish() {
   weights_version_.store(version, std::memory_order_relaxed);
   published_at_ = parts_.clock.Now();
   MutexLock lock(mutex_);
-  staleness_.OnPublish(version, parts_.wall_time_ns());
+  staleness_.OnPublish(version, parts_.clock.WallTimeNs());
   return {};
 }
 
@@ -167,10 +167,9 @@ Status Trainer::SaveAtEnd(const std::atomic<bool>& stop) {
   const LongWork last_checkpoint(kSlowDisk);
   const ScopedActivity saving(ledger_, Activity::kWaitForDisk);
   DADRL_RETURN_IF_ERROR(RequireFinitePolicy());  // that will not pass
-  SystemClock sleeper;
   Status saved = SaveNow();
   for (int attempts = 1; !saved && attempts < kLastAttempts; attempts += stop.load() ? 1 : 0) {
-    sleeper.SleepFor(kSaveRetry);
+    parts_.clock.SleepFor(kSaveRetry);
     Beat();
     saved = SaveNow();
   }

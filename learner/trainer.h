@@ -52,8 +52,7 @@ class Trainer {
     BatchSource& batches;
     PolicyPublisher& publisher;
     CheckpointWriter& checkpoints;
-    const Clock& clock;
-    int64_t (*wall_time_ns)() = WallTimeNs;  // stamps publications
+    Clock& clock;
     Duration (*paused_time)() =
         &PausedTime;  // of the time since the start, what the process was kept stopped
   };

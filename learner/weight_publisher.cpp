@@ -1,7 +1,6 @@
 #include "learner/weight_publisher.h"
 
 #include "common/io/checksum.h"
-#include "common/util/clock.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
 
@@ -9,48 +8,42 @@ namespace dadrl {
 
 Result<std::unique_ptr<WeightPublisher>> WeightPublisher::Create(const Transport& transport,
                                                                  VersionReserve reserve,
-                                                                 uint32_t newest_version) {
+                                                                 uint32_t newest_version,
+                                                                 const Clock& clock) {
   DADRL_ASSIGN_OR_RETURN(auto writer, Writer<dadrl_idl_Weights>::Create(transport, kWeightsTopic));
   return std::unique_ptr<WeightPublisher>(
-      new WeightPublisher(std::move(writer), std::move(reserve), newest_version));
+      new WeightPublisher(std::move(writer), std::move(reserve), newest_version, clock));
 }
 
 WeightPublisher::WeightPublisher(std::unique_ptr<Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
-                                 uint32_t newest_version)
-    : writer_(std::move(writer)), reserve_(std::move(reserve)), newest_version_(newest_version) {}
+                                 uint32_t newest_version, const Clock& clock)
+    : writer_(std::move(writer)),
+      reserve_(std::move(reserve)),
+      clock_(clock),
+      newest_version_(newest_version) {}
 
 WeightPublisher::~WeightPublisher() {
-  {
-    MutexLock lock(mutex_);
-    stopping_ = true;
-    changed_.NotifyAll();
-  }
-  if (thread_.joinable()) thread_.join();
+  thread_.reset();
   Step();
 }
 
 void WeightPublisher::Start() {
-  thread_ = std::thread([this] { Run(); });
+  thread_.emplace([this](bool) {
+    Step();
+    return BackgroundThread::kUntilWoken;
+  });
 }
 
 void WeightPublisher::Publish(const PolicyUpdate& update) {
   newest_version_.store(update.version, std::memory_order_relaxed);
-  MutexLock lock(mutex_);
-  pending_.version = update.version;
-  pending_.updates = update.updates;
-  pending_.layout_hash = update.layout_hash;
-  pending_.parameters.assign(update.parameters.begin(), update.parameters.end());
-  changed_.NotifyAll();
-}
-
-void WeightPublisher::Run() {
-  while (Await()) Step();
-}
-
-bool WeightPublisher::Await() {
-  MutexLock lock(mutex_);
-  while (pending_.version == 0 && !stopping_) changed_.Wait(mutex_);
-  return !stopping_;
+  {
+    MutexLock lock(mutex_);
+    pending_.version = update.version;
+    pending_.updates = update.updates;
+    pending_.layout_hash = update.layout_hash;
+    pending_.parameters.assign(update.parameters.begin(), update.parameters.end());
+  }
+  if (thread_) thread_->Wake();
 }
 
 void WeightPublisher::Step() {
@@ -73,7 +66,7 @@ void WeightPublisher::Send(const Pending& policy) {
   dadrl_idl_Weights sample{};
   sample.version = policy.version;
   sample.updates = policy.updates;
-  sample.published_ns = WallTimeNs();
+  sample.published_ns = clock_.WallTimeNs();
   sample.layout_hash = policy.layout_hash;
   sample.checksum = Xxh3(bytes);
   const auto count = static_cast<uint32_t>(bytes.size());

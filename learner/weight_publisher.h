@@ -4,11 +4,13 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <thread>
+#include <optional>
 #include <vector>
 
 #include "common/dds/node.h"
 #include "common/port/port.h"
+#include "common/util/background_thread.h"
+#include "common/util/clock.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
 #include "learner/policy_publisher.h"
@@ -22,9 +24,9 @@ namespace dadrl {
 // thread; the rest: any.
 class WeightPublisher final : public PolicyPublisher {
  public:
-  // `newest_version`: of the run so far, 0 for a new one.
+  // `newest_version`: of the run so far, 0 for a new one. Borrows `clock`, which stamps what is sent.
   static Result<std::unique_ptr<WeightPublisher>> Create(const Transport& transport, VersionReserve reserve,
-                                                         uint32_t newest_version);
+                                                         uint32_t newest_version, const Clock& clock);
   // Sends what was published last, then ends.
   ~WeightPublisher() override;
 
@@ -46,22 +48,18 @@ class WeightPublisher final : public PolicyPublisher {
   };
 
   WeightPublisher(std::unique_ptr<Writer<dadrl_idl_Weights>> writer, VersionReserve reserve,
-                  uint32_t newest_version);
-  void Run();
-  // Until there is something to send; false when it is time to end.
-  bool Await() DADRL_EXCLUDES(mutex_);
+                  uint32_t newest_version, const Clock& clock);
   void Send(const Pending& policy);
 
   std::unique_ptr<Writer<dadrl_idl_Weights>> writer_;
   VersionReserve reserve_;  // Step's
-  Pending sending_;         // Step's; takes turns with `pending_`
+  const Clock& clock_;
+  Pending sending_;  // Step's; takes turns with `pending_`
   Mutex mutex_;
-  CondVar changed_;
   Pending pending_ DADRL_GUARDED_BY(mutex_);
-  bool stopping_ DADRL_GUARDED_BY(mutex_) = false;
   std::atomic<uint32_t> newest_version_;
   std::atomic<uint64_t> sent_{0};
-  std::thread thread_;
+  std::optional<BackgroundThread> thread_;
 };
 
 }  // namespace dadrl

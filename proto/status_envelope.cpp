@@ -10,7 +10,7 @@ ProcessStatus StatusEnvelope::Begin() const {
   status.index = sender_.index;
   status.pid = ::getpid();
   status.incarnation = sender_.incarnation;
-  status.sent_ns = WallTimeNs();
+  status.sent_ns = clock_.WallTimeNs();
   status.uptime_s = ToSeconds(clock_.Now() - started_);
   status.activities = ledger_.Read();
   status.faults = ProcessFaults().Current();

@@ -89,7 +89,7 @@ Status Actor::TakeNumber() {
       node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index, key));
   const std::string name = fmt::format("actor-{}", options_.index);
   LeaseHolder::Options wanted{.token = KeptToken(options_.run_directory, name),
-                              .start = NextIncarnation(options_.run_directory, name, WallTimeNs()),
+                              .start = NextIncarnation(options_.run_directory, name, clock_.WallTimeNs()),
                               .number = std::nullopt,
                               .schema = SchemaHash(DrivingStepSpec(config))};
   if (!options_.any_number) wanted.number = static_cast<uint32_t>(options_.index);
@@ -173,7 +173,8 @@ void Actor::Record(const CollectedEpisode& episode) {
   publisher_->Publish(EpisodeReport{.outcome = static_cast<int>(summary.outcome),
                                     .episode_return = summary.episode_return,
                                     .scenario = summary.scenario});
-  ProcessFaults().Report(FaultKind::kEpisodeLog, log_->Append(identity_.incarnation, WallTimeNs(), episode));
+  ProcessFaults().Report(FaultKind::kEpisodeLog,
+                         log_->Append(identity_.incarnation, clock_.WallTimeNs(), episode));
 }
 
 // With a policy in use, a stranger's broadcast is only counted; without one, it means that this actor was

@@ -15,6 +15,8 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual TimePoint Now() const = 0;
+  // Nanoseconds since the Unix epoch, for stamps that cross processes; may be set back.
+  virtual int64_t WallTimeNs() const = 0;
   virtual void SleepFor(Duration duration) = 0;
 };
 
@@ -22,13 +24,16 @@ class Clock {
 class SystemClock final : public Clock {
  public:
   TimePoint Now() const override;
+  int64_t WallTimeNs() const override;
   void SleepFor(Duration duration) override;
 };
 
-// A clock that moves only when told: for tests. SleepFor advances it. Not thread safe.
+// A clock that moves only when it is advanced, which SleepFor does too; its epoch is where it begins: for
+// tests and deterministic trainings. Not thread safe.
 class ManualClock final : public Clock {
  public:
   TimePoint Now() const override { return now_; }
+  int64_t WallTimeNs() const override { return now_.time_since_epoch().count(); }
   void SleepFor(Duration duration) override { now_ += duration; }
   void Advance(Duration duration) { now_ += duration; }
 
@@ -36,7 +41,7 @@ class ManualClock final : public Clock {
   TimePoint now_{};
 };
 
-// Nanoseconds since the Unix epoch: for stamps that cross processes.
+// That of the SystemClock, where no clock is at hand.
 int64_t WallTimeNs();
 
 inline double ToSeconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }

@@ -21,9 +21,6 @@
 namespace dadrl {
 namespace {
 
-// Stamps publications: any constant will do where no clock may be read.
-int64_t NoWallTime() { return 0; }
-
 Status CheckEnds(const Config& config) {
   if (config.learner.max_updates == 0 && config.minutes == 0.0) {
     return Fail(
@@ -60,6 +57,7 @@ class Turns final : public Clock {
  public:
   Turns(const Clock& clock, MemoryCluster& cluster) : clock_(clock), cluster_(cluster) {}
   TimePoint Now() const override { return clock_.Now(); }
+  int64_t WallTimeNs() const override { return clock_.WallTimeNs(); }
   void SleepFor(Duration) override { cluster_.PassExperience(); }
 
  private:
@@ -80,8 +78,7 @@ class Lockstep {
         cluster_(std::move(cluster)),
         turns_(clock_, *cluster_),
         checkpoints_(std::move(store), clock_),
-        trainer_(config,
-                 {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_, NoWallTime},
+        trainer_(config, {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_},
                  progress),
         collector_(config,
                    {.environment = *driving_.environment,

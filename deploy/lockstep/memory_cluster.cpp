@@ -53,7 +53,7 @@ Status MemoryCluster::Open(const TrajectoryShape& batch, const nn::ParamLayout& 
   DADRL_ASSIGN_OR_RETURN(table_, ReplayTable::Open(InMemoryTable(config_), clock_));
   DADRL_ASSIGN_OR_RETURN(ingest_, Ingest::Create(transport_, config_, 0, *table_, clock_, [] {}));
   DADRL_ASSIGN_OR_RETURN(server_, BatchServer::Create(transport_, 0, *table_, clock_, [] {}));
-  DADRL_ASSIGN_OR_RETURN(publisher_, WeightPublisher::Create(transport_, std::move(reserve), 0));
+  DADRL_ASSIGN_OR_RETURN(publisher_, WeightPublisher::Create(transport_, std::move(reserve), 0, clock_));
   const auto newest_version = [this] { return publisher_->newest_version(); };
   DADRL_ASSIGN_OR_RETURN(
       fetcher_, BatchFetcher::Create(transport_, config_, batch, kIncarnation, newest_version, clock_, {}));

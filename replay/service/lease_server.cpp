@@ -24,8 +24,8 @@ std::string Who(const dadrl_idl_LeaseRequest& message) {
   return fmt::format("{}, pid {}", Shown(message.host, sizeof(message.host)), message.pid);
 }
 
-uint32_t RandomFirstAny() {
-  Random random(static_cast<uint64_t>(WallTimeNs()));
+uint32_t RandomFirstAny(const Clock& clock) {
+  Random random(static_cast<uint64_t>(clock.WallTimeNs()));
   return LeaseTable::kFirstAny +
          static_cast<uint32_t>(random.Below(LeaseTable::kMaxNumber - LeaseTable::kFirstAny));
 }
@@ -40,7 +40,7 @@ Result<std::unique_ptr<LeaseServer>> LeaseServer::Create(const Transport& transp
     DADRL_ASSIGN_OR_RETURN(answers[group], AnswerWriter::Create(transport, LeaseAnswerTopic({.low = group})));
   }
   DADRL_ASSIGN_OR_RETURN(auto requests, RequestReader::Create(transport, kLeaseRequestTopic));
-  LeaseTable table(static_cast<uint32_t>(config.actor.count), RandomFirstAny(), clock.Now());
+  LeaseTable table(static_cast<uint32_t>(config.actor.count), RandomFirstAny(clock), clock.Now());
   return std::unique_ptr<LeaseServer>(new LeaseServer(std::move(requests), std::move(answers),
                                                       std::move(table), schema, least_incarnation, clock));
 }
@@ -104,7 +104,7 @@ LeaseTable::Answer LeaseServer::Decide(const dadrl_idl_LeaseRequest& message) {
     request.number = static_cast<uint32_t>(std::min<int64_t>(message.number, LeaseTable::kMaxNumber + 1));
   }
   return table_.Ask(request, clock_.Now() - deaf_,
-                    std::max(least_incarnation_, static_cast<uint64_t>(WallTimeNs())));
+                    std::max(least_incarnation_, static_cast<uint64_t>(clock_.WallTimeNs())));
 }
 
 void LeaseServer::Log(const dadrl_idl_LeaseRequest& message, const LeaseTable::Answer& answer) {

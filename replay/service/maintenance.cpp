@@ -24,6 +24,7 @@ Maintenance::Maintenance(const ReplayConfig& replay, uint32_t shard,
       shard_(shard),
       snapshots_(SnapshotFolder(run_directory, shard)),
       table_(table),
+      clock_(clock),
       tasks_(clock, ProcessFaults()) {
   if (const Status removed = RemovePartialSnapshots(snapshots_); !removed) {
     spdlog::warn("{}", removed.error().message);
@@ -89,7 +90,8 @@ Status Maintenance::CheckSnapshots() {
 }
 
 Status Maintenance::TakeAutomaticSnapshot() {
-  DADRL_ASSIGN_OR_RETURN(const std::string said, TakeSnapshot(NextSnapshotName(snapshots_, WallTimeNs())));
+  DADRL_ASSIGN_OR_RETURN(const std::string said,
+                         TakeSnapshot(NextSnapshotName(snapshots_, clock_.WallTimeNs())));
   spdlog::info("{}", said);
   return RemoveOldSnapshots(snapshots_, replay_.snapshots_kept);
 }

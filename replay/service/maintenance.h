@@ -58,6 +58,7 @@ class Maintenance {
   const uint32_t shard_;
   const std::filesystem::path snapshots_;
   ReplayTable& table_;
+  const Clock& clock_;
   std::atomic<uint64_t> snapshot_bytes_{0};
   PeriodicTasks tasks_;
   BoundedQueue<Job> jobs_{kMaxJobs};

@@ -38,9 +38,7 @@ struct TestLearner {
     }
     checkpoints = std::make_unique<CheckpointWriter>(std::move(store), clock);
     trainer = std::make_unique<Trainer>(
-        config,
-        Trainer::Parts{*algorithm, batches, publisher, *checkpoints, clock, [] { return int64_t{0}; }},
-        *begun);
+        config, Trainer::Parts{*algorithm, batches, publisher, *checkpoints, clock}, *begun);
   }
   void Steps(int count) {
     for (int i = 0; i < count; ++i) {

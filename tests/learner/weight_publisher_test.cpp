@@ -17,6 +17,7 @@ using namespace std::chrono_literals;
 struct Received {
   uint32_t version = 0;
   uint64_t updates = 0;
+  int64_t published_ns = 0;
   uint64_t layout_hash = 0;
   uint64_t checksum = 0;
   std::vector<std::byte> bytes;
@@ -27,7 +28,7 @@ class WeightPublisherTest : public testing::Test {
   std::unique_ptr<WeightPublisher> MakePublisher() {
     VersionReserve reserve = VersionReserve::Open(folder_.path()).value();
     const uint32_t newest = reserve.highest();
-    return WeightPublisher::Create(transport_, std::move(reserve), newest).value();
+    return WeightPublisher::Create(transport_, std::move(reserve), newest, clock_).value();
   }
   void Publish(WeightPublisher& publisher, uint32_t version) {
     std::vector<float> parameters(300000, static_cast<float>(version));
@@ -39,8 +40,9 @@ class WeightPublisherTest : public testing::Test {
     std::optional<Received> found;
     reader.Take(10, [&](const dadrl_idl_Weights& weights) {
       const auto bytes = std::as_bytes(std::span(weights.parameters._buffer, weights.parameters._length));
-      found = Received{weights.version, weights.updates, weights.layout_hash, weights.checksum,
-                       std::vector<std::byte>(bytes.begin(), bytes.end())};
+      found =
+          Received{weights.version,     weights.updates,  weights.published_ns,
+                   weights.layout_hash, weights.checksum, std::vector<std::byte>(bytes.begin(), bytes.end())};
     });
     return found;
   }
@@ -49,6 +51,7 @@ class WeightPublisherTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
+  ManualClock clock_;
   const MemoryTransport transport_;
 };
 
@@ -56,6 +59,7 @@ TEST_F(WeightPublisherTest, ALateActorGetsTheNewestPolicyWhole) {
   const auto publisher = MakePublisher();
   for (uint32_t version = 1; version <= 2; ++version) {
     Publish(*publisher, version);
+    clock_.Advance(3s);
     publisher->Step();
   }
   EXPECT_EQ(publisher->sent(), 2u);
@@ -64,6 +68,7 @@ TEST_F(WeightPublisherTest, ALateActorGetsTheNewestPolicyWhole) {
   ASSERT_TRUE(received);
   EXPECT_EQ(received->version, 2u);
   EXPECT_EQ(received->updates, 20u);
+  EXPECT_EQ(received->published_ns, 6'000'000'000);
   EXPECT_EQ(received->layout_hash, 42u);
   EXPECT_EQ(received->bytes.size(), 300000 * sizeof(float));
   EXPECT_EQ(received->checksum, Xxh3(received->bytes));

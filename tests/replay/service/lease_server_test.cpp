@@ -64,6 +64,7 @@ TEST_F(LeaseServerTest, OfTwoThatWantANumberOneHasItAndTheOtherIsToldWhoUntilTha
   const auto lease = Acquire(*first);
   ASSERT_TRUE(lease) << lease.error().message;
   EXPECT_EQ(lease->number, 7u);
+  EXPECT_GE(lease->incarnation, static_cast<uint64_t>(kLeaseTerm.count())) << "no less than the wall time";
   auto second = Actor(2, 7);
   const auto refused = second->Acquire([&] {
     Live(*first, 250ms);
