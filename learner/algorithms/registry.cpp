@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "common/config/config_schema.h"
+#include "common/model/policy_model.h"
+#include "common/step/driving_shape.h"
 #include "common/util/shown.h"
 #include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/sac.h"
@@ -73,10 +75,25 @@ Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
   return CheckActors(config, spec);
 }
 
+Status CheckTrainsPolicy(const Config& config, const NamedNetwork& trained) {
+  DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<PolicyModel> policy,
+                         MakePolicyModel(DrivingStepSpec(config), config.model));
+  const nn::ParamLayout& acting = policy->layout();
+  if (acting.hash() == trained.layout_hash) return {};
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "algorithm.name: {} trains a network of {} parameters (layout {:#x}), and model.policy: {} acts "
+      "with one of {} (layout {:#x}); choose a model.policy that it trains",
+      config.algorithm.name, trained.parameters.size(), trained.layout_hash, config.model.policy,
+      acting.size(), acting.hash());
+}
+
 Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config) {
   DADRL_ASSIGN_OR_RETURN(const AlgorithmEntry* const entry, FindAlgorithm(config.algorithm.name));
   DADRL_RETURN_IF_ERROR(CheckNeeds(config, entry->spec(config)));
-  return entry->make(config);
+  std::unique_ptr<Algorithm> algorithm = entry->make(config);
+  DADRL_RETURN_IF_ERROR(CheckTrainsPolicy(config, algorithm->published_policy()));
+  return algorithm;
 }
 
 }  // namespace dadrl

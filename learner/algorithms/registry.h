@@ -27,7 +27,11 @@ Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name);
 // not give, or does not give what it needs.
 Status CheckNeeds(const Config& config, const AlgorithmSpec& spec);
 
-// That of algorithm.name; errors of both of the above.
+// kInvalidArgument with both named when `trained`, the published policy of an algorithm, is not the network
+// that model.policy acts with: actors would refuse it for ever.
+Status CheckTrainsPolicy(const Config& config, const NamedNetwork& trained);
+
+// That of algorithm.name; errors of all of the above.
 Result<std::unique_ptr<Algorithm>> MakeAlgorithm(const Config& config);
 
 }  // namespace dadrl

@@ -7,6 +7,7 @@
 
 #include "common/config/config_schema.h"
 #include "proto/named_scalar.h"
+#include "tests/learner/fake_algorithm.h"
 
 namespace dadrl {
 namespace {
@@ -86,6 +87,16 @@ TEST(Registry, ActorsWaitForAPolicyExactlyWhereItComesBeforeExperience) {
   config.actor.policy = ActorPolicy::kPredictive;
   EXPECT_THAT(CheckNeeds(config, on_policy).error().message,
               AllOf(HasSubstr("actor.policy"), HasSubstr("set it to learned")));
+}
+
+TEST(Registry, AnAlgorithmTrainsTheNetworkThatActs) {
+  const Config config = Small("sac");
+  const Status refused = CheckTrainsPolicy(config, FakeAlgorithm().published_policy());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(refused.error().message,
+              AllOf(HasSubstr("algorithm.name: sac trains a network of 200 parameters (layout 0xfa4e)"),
+                    HasSubstr("model.policy: squashed_gaussian acts with one of ")));
 }
 
 }  // namespace
