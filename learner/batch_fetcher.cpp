@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "common/step/step_spec_of.h"
 #include "common/util/log.h"
 #include "common/util/shown.h"
 #include "proto/experience_bounds.h"
@@ -68,7 +69,7 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
     : endpoints_(std::move(endpoints)),
       config_(config),
       shape_(shape),
-      schema_(SchemaHash(DrivingStepSpec(config))),
+      schema_(SchemaHash(StepSpecOf(config))),
       incarnation_(incarnation),
       newest_version_(std::move(newest_version)),
       options_(options),
@@ -76,9 +77,9 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
       ready_(SlotCount(config)),
       free_(SlotCount(config)),
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
-      decoder_(DrivingStepSpec(config), ExperienceBounds::From(config)) {
+      decoder_(StepSpecOf(config), ExperienceBounds::From(config)) {
   for (size_t i = 0; i < SlotCount(config); ++i) {
-    slots_.push_back(std::make_unique<Slot>(Slot{TrajectoryBatch(DrivingStepSpec(config), shape), 0}));
+    slots_.push_back(std::make_unique<Slot>(Slot{TrajectoryBatch(StepSpecOf(config), shape), 0}));
     Slot* slot = slots_.back().get();
     static_cast<void>(free_.TryPush(slot));  // has room for all
   }

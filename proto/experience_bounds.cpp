@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/config/config_schema.h"
-#include "common/step/step_spec.h"
 #include "proto/experience.h"
 
 namespace dadrl {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "common/config/config.h"
-#include "common/step/driving_shape.h"
+#include "common/step/step_spec.h"
 #include "common/util/result.h"
 
 namespace dadrl {

@@ -18,6 +18,7 @@
 #include "common/io/run_key.h"
 #include "common/liveness/working_thread.h"
 #include "common/model/policy_model.h"
+#include "common/step/step_spec_of.h"
 #include "common/util/exit_code.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
@@ -73,7 +74,7 @@ class Actor {
 };
 
 Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
-  DADRL_ASSIGN_OR_RETURN(auto policy, MakePolicyModel(DrivingStepSpec(options.config), options.config.model));
+  DADRL_ASSIGN_OR_RETURN(auto policy, MakePolicyModel(StepSpecOf(options.config), options.config.model));
   DADRL_ASSIGN_OR_RETURN(auto environment, MakeDrivingEnvironment(options.config));
   std::unique_ptr<Actor> actor(new Actor(options, std::move(policy), std::move(environment)));
   DADRL_RETURN_IF_ERROR(actor->TakeNumber());
@@ -91,7 +92,7 @@ Status Actor::TakeNumber() {
   LeaseHolder::Options wanted{.token = KeptToken(options_.run_directory, name),
                               .start = NextIncarnation(options_.run_directory, name, clock_.WallTimeNs()),
                               .number = std::nullopt,
-                              .schema = SchemaHash(DrivingStepSpec(config))};
+                              .schema = SchemaHash(StepSpecOf(config))};
   if (!options_.any_number) wanted.number = static_cast<uint32_t>(options_.index);
   DADRL_ASSIGN_OR_RETURN(lease_, LeaseHolder::Create(*node_, wanted, clock_));
   WaitNotice notice;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "common/step/driving_shape.h"
+#include "common/step/step_spec_of.h"
 
 namespace dadrl {
 
 ChunkingSink::ChunkingSink(const Config& config, uint32_t actor, uint64_t incarnation)
     : chunk_frames_(std::clamp(config.actor.chunk_frames, 1, kMaxChunkFrames)),
       identity_{.actor = actor, .incarnation = incarnation},
-      builder_(DrivingStepSpec(config), config.actor.floats) {}
+      builder_(StepSpecOf(config), config.actor.floats) {}
 
 void ChunkingSink::BeginEpisode(uint64_t episode) {
   EndEpisode();

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "common/step/step_spec_of.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/shipped_policies.h"
 #include "deploy/open_model/recorded_observations.h"
@@ -20,7 +21,7 @@ Result<int> RunAct(const ActOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::string file, ResolvePolicy(options.policy));
   DADRL_ASSIGN_OR_RETURN(const PolicyFile policy, LoadPolicy(file));
   DADRL_ASSIGN_OR_RETURN(const Columns observations,
-                         LoadRecordedObservations(options.observations, DrivingStepSpec(policy.config)));
+                         LoadRecordedObservations(options.observations, StepSpecOf(policy.config)));
   DADRL_ASSIGN_OR_RETURN(const ActReport report, ActOn(observations, policy, options.policy));
   if (options.json) {
     fmt::print("{}\n", ActJson(report));

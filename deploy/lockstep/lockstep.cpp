@@ -10,6 +10,7 @@
 #include "actor/environment.h"
 #include "common/io/checksum.h"
 #include "common/model/policy_model.h"
+#include "common/step/step_spec_of.h"
 #include "common/util/log.h"
 #include "deploy/lockstep/memory_cluster.h"
 #include "learner/algorithms/registry.h"
@@ -46,7 +47,7 @@ struct Driving {
   static Result<Driving> Make(const Config& config) {
     Driving driving;
     DADRL_ASSIGN_OR_RETURN(driving.environment, MakeDrivingEnvironment(config));
-    DADRL_ASSIGN_OR_RETURN(driving.policy, MakePolicyModel(DrivingStepSpec(config), config.model));
+    DADRL_ASSIGN_OR_RETURN(driving.policy, MakePolicyModel(StepSpecOf(config), config.model));
     DADRL_ASSIGN_OR_RETURN(driving.driver, ScriptedDriver::Make(config));
     return driving;
   }

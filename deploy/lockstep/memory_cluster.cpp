@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/step/driving_shape.h"
+#include "common/step/step_spec_of.h"
 #include "common/util/random.h"
 
 namespace dadrl {
@@ -25,7 +25,7 @@ Config OneOfEach(Config config) {
 
 TableOptions InMemoryTable(const Config& config) {
   return {.directory = {},
-          .spec = DrivingStepSpec(config),
+          .spec = StepSpecOf(config),
           .replay = config.replay,
           .n_step = config.algorithm.n_step,
           .seed = DeriveSeed(config.seed, kReplaySeedIndex),

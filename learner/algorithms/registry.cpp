@@ -7,7 +7,7 @@
 
 #include "common/config/config_schema.h"
 #include "common/model/policy_model.h"
-#include "common/step/driving_shape.h"
+#include "common/step/step_spec_of.h"
 #include "common/util/shown.h"
 #include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/sac.h"
@@ -77,7 +77,7 @@ Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
 
 Status CheckTrainsPolicy(const Config& config, const NamedNetwork& trained) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<PolicyModel> policy,
-                         MakePolicyModel(DrivingStepSpec(config), config.model));
+                         MakePolicyModel(StepSpecOf(config), config.model));
   const nn::ParamLayout& acting = policy->layout();
   if (acting.hash() == trained.layout_hash) return {};
   return Fail(

@@ -9,7 +9,7 @@
 
 #include "common/config/config_yaml.h"
 #include "common/io/run_key.h"
-#include "common/step/driving_shape.h"
+#include "common/step/step_spec_of.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
@@ -21,7 +21,7 @@ namespace {
 constexpr Duration kTick = std::chrono::milliseconds(20);
 
 TableOptions OptionsOf(const ReplayService::Options& options) {
-  const StepSpec spec = DrivingStepSpec(options.config);
+  const StepSpec spec = StepSpecOf(options.config);
   TableOptions table{.directory = options.run_directory / "replay" / fmt::format("shard-{}", options.shard),
                      .spec = spec,
                      .replay = options.config.replay,

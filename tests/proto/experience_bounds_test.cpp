@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "common/step/driving_shape.h"
 #include "proto/experience.h"
 
 namespace dadrl {

@@ -6,6 +6,7 @@
 #include "actor/collect/collector.h"
 #include "actor/environment.h"
 #include "actor/experience/chunking_sink.h"
+#include "common/step/step_spec_of.h"
 #include "replay/table.h"
 #include "tests/replay/test_chunks.h"
 
@@ -37,7 +38,7 @@ TEST(Compactness, ALeftTurnTakesLessThanEightHundredBytesAFrameAllTold) {
   TimeLedger ledger(clock);
   const std::atomic<bool> stop{false};
   auto table = ReplayTable::Open({.directory = folder.path(),
-                                  .spec = DrivingStepSpec(config),
+                                  .spec = StepSpecOf(config),
                                   .replay = config.replay,
                                   .n_step = config.algorithm.n_step},
                                  clock)
