@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 #include "common/step/step_spec_of.h"
 #include "common/util/log.h"
@@ -76,6 +77,7 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
       clock_(clock),
       ready_(SlotCount(config)),
       free_(SlotCount(config)),
+      inserted_(static_cast<size_t>(config.replay.shards)),
       book_(config.replay.shards, config.learner.credits, options.request_timeout),
       decoder_(StepSpecOf(config), ExperienceBounds::From(config)) {
   for (size_t i = 0; i < SlotCount(config); ++i) {
@@ -131,7 +133,8 @@ FetchStats BatchFetcher::stats() const {
           .repeated = repeated_.load(),
           .given_up = given_up_.load(),
           .dropped_priorities = endpoints_.priorities->dropped(),
-          .frames_held = frames_held_.load()};
+          .frames_held = frames_held_.load(),
+          .frames_inserted = frames_inserted_.load()};
 }
 
 void BatchFetcher::Step() {
@@ -202,6 +205,9 @@ void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
     return;
   }
   frames_held_.store(book_.frames_held(), std::memory_order_relaxed);
+  inserted_[reply.shard] = reply.frames_inserted;
+  frames_inserted_.store(std::accumulate(inserted_.begin(), inserted_.end(), uint64_t{0}),
+                         std::memory_order_relaxed);
   if (reply.refusal[0] != '\0') return OnRefusal(reply);
   if (reply.bytes._length > 0) Decode(reply);
 }

@@ -23,7 +23,7 @@
 
 namespace dadrl {
 
-// Cumulative, except frames_held.
+// Cumulative, except what is of now.
 struct FetchStats {
   uint64_t batches = 0;   // decoded
   uint64_t bytes = 0;     // of all replies to us
@@ -33,7 +33,8 @@ struct FetchStats {
   uint64_t repeated = 0;  // requests sent again
   uint64_t given_up = 0;  // requests moved to another shard
   uint64_t dropped_priorities = 0;
-  uint64_t frames_held = 0;  // by all shards, now
+  uint64_t frames_held = 0;      // by all shards, now, as is the following
+  uint64_t frames_inserted = 0;  // since the run began
 };
 
 struct FetchOptions {
@@ -111,6 +112,7 @@ class BatchFetcher final : public BatchSource {
   Status status_ DADRL_GUARDED_BY(mutex_);
 
   // Step's.
+  std::vector<uint64_t> inserted_;  // frames, by shard
   RequestBook book_;
   TrajectoryDecoder decoder_;
   uint64_t match_generation_ = 0;
@@ -118,7 +120,7 @@ class BatchFetcher final : public BatchSource {
   TimePoint corrupt_logged_at_{};
 
   std::atomic<uint64_t> batches_{0}, bytes_{0}, corrupt_{0}, stale_{0}, foreign_{0}, repeated_{0},
-      given_up_{0}, frames_held_{0};
+      given_up_{0}, frames_held_{0}, frames_inserted_{0};
   std::thread thread_;
 };
 

@@ -53,7 +53,15 @@ Status RunLearner(const Config& config, const std::filesystem::path& run_directo
       config.telemetry,
       {trainer, checkpoints, telemetry, log, [&fetcher] { return fetcher->stats(); }, clock}, incarnation);
   DADRL_ASSIGN_OR_RETURN(const std::string why, trainer.Run(shutdown_requested));
-  spdlog::info("training ended: {}", why);
+  const FetchStats fetched = fetcher->stats();
+  spdlog::info("training ended: {}; it took {} batches of {} inserted frames", why, fetched.batches,
+               fetched.frames_inserted);
+  spdlog::info(
+      "requests: {} sent again, {} moved to another shard; dropped: {} replies corrupt, {} late, {} of "
+      "others, "
+      "{} updates of priorities",
+      fetched.repeated, fetched.given_up, fetched.corrupt, fetched.stale, fetched.foreign,
+      fetched.dropped_priorities);
   return {};
 }
 

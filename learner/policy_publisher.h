@@ -9,7 +9,6 @@ namespace dadrl {
 // One policy on its way out. `parameters` is borrowed for the call.
 struct PolicyUpdate {
   uint32_t version = 0;  // 1, 2, 3, ...; grows over restarts of the learner
-  uint64_t updates = 0;
   uint64_t layout_hash = 0;
   std::span<const float> parameters;
 };

@@ -90,10 +90,8 @@ Status Trainer::Publish() {
   DADRL_RETURN_IF_ERROR(RequireFinitePolicy());
   const uint32_t version = weights_version_.load(std::memory_order_relaxed) + 1;
   const NamedNetwork policy = parts_.algorithm.published_policy();
-  parts_.publisher.Publish({.version = version,
-                            .updates = updates_,
-                            .layout_hash = policy.layout_hash,
-                            .parameters = policy.parameters});
+  parts_.publisher.Publish(
+      {.version = version, .layout_hash = policy.layout_hash, .parameters = policy.parameters});
   weights_version_.store(version, std::memory_order_relaxed);
   published_at_ = parts_.clock.Now();
   MutexLock lock(mutex_);

@@ -39,7 +39,6 @@ void WeightPublisher::Publish(const PolicyUpdate& update) {
   {
     MutexLock lock(mutex_);
     pending_.version = update.version;
-    pending_.updates = update.updates;
     pending_.layout_hash = update.layout_hash;
     pending_.parameters.assign(update.parameters.begin(), update.parameters.end());
   }
@@ -65,7 +64,6 @@ void WeightPublisher::Send(const Pending& policy) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(policy.parameters));
   dadrl_idl_Weights sample{};
   sample.version = policy.version;
-  sample.updates = policy.updates;
   sample.published_ns = clock_.WallTimeNs();
   sample.layout_hash = policy.layout_hash;
   sample.checksum = Xxh3(bytes);
@@ -74,11 +72,7 @@ void WeightPublisher::Send(const Pending& policy) {
   auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
   sample.parameters = {count, count, buffer, false};
   const Status written = writer_->Write(sample);
-  if (!written) {
-    spdlog::warn("weights version {} was not sent: {}", policy.version, written.error().message);
-    return;
-  }
-  sent_.fetch_add(1, std::memory_order_relaxed);
+  if (!written) spdlog::warn("weights version {} was not sent: {}", policy.version, written.error().message);
 }
 
 }  // namespace dadrl

@@ -37,12 +37,10 @@ class WeightPublisher final : public PolicyPublisher {
   void Step() DADRL_EXCLUDES(mutex_);
 
   uint32_t newest_version() const { return newest_version_.load(std::memory_order_relaxed); }
-  uint64_t sent() const { return sent_.load(std::memory_order_relaxed); }
 
  private:
   struct Pending {
     uint32_t version = 0;  // 0: nothing
-    uint64_t updates = 0;
     uint64_t layout_hash = 0;
     std::vector<float> parameters;
   };
@@ -58,7 +56,6 @@ class WeightPublisher final : public PolicyPublisher {
   Mutex mutex_;
   Pending pending_ DADRL_GUARDED_BY(mutex_);
   std::atomic<uint32_t> newest_version_;
-  std::atomic<uint64_t> sent_{0};
   std::optional<BackgroundThread> thread_;
 };
 

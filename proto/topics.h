@@ -9,7 +9,7 @@ namespace dadrl {
 
 // Of everything that the processes of a cluster say to each other. Grows with every change that another build
 // would misunderstand; a process of another version is refused with both versions named.
-constexpr uint32_t kProtocolVersion = 3;
+constexpr uint32_t kProtocolVersion = 4;
 
 // Experience. KEEP_ALL and a bounded reader: the replay's pace is the actors' pace; nothing is overwritten.
 // Alone in its plane: whatever keeps the replay from storing (a slow or full disk) leaves this reader full,

@@ -153,10 +153,14 @@ Status Actor::Run() {
   }
   DADRL_RETURN_IF_ERROR(address_);
   const LongWork draining(2 * kDrain);
-  if (!writer_->Flush(kDrain)) {
+  const bool drained = writer_->Flush(kDrain);
+  const ExperienceWriter::Statistics sent = writer_->statistics();
+  if (!drained) {
     spdlog::warn("leaving with {} bytes of experience that the replay has not acknowledged",
-                 writer_->statistics().backlog_bytes);
+                 sent.backlog_bytes);
   }
+  spdlog::info("{} chunks, {} acknowledged, {} sent again, {} refused; {} acknowledgements made no sense",
+               sent.chunks, sent.acknowledged, sent.resent, sent.refused, sent.invalid_acknowledgements);
   return {};
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/io/npy.h"
 
@@ -53,45 +55,37 @@ Status PackBits(const std::filesystem::path& path, const NpyArray<uint8_t>& arra
   return {};
 }
 
-// The values of one column of `batch`, which has as many rows as the file must have.
-Status LoadColumn(const std::filesystem::path& path, const ColumnSpec& column, size_t index, Columns& batch) {
+// The values of one column. The first that is loaded says how many rows `batch` has, the others must have as
+// many.
+Status LoadColumn(const std::filesystem::path& path, const StepSpec& spec, size_t index,
+                  std::optional<Columns>& batch) {
   const auto fits = [&](size_t rows) -> Status {
-    if (rows == static_cast<size_t>(batch.rows())) return {};
+    if (!batch) batch.emplace(spec, static_cast<int>(rows));
+    if (std::cmp_equal(rows, batch->rows())) return {};
     return Fail(ErrorCode::kInvalidArgument,
                 "{} holds {} observations, the first column {}: record them together", path.string(), rows,
-                batch.rows());
+                batch->rows());
   };
+  const ColumnSpec& column = spec.observation[index];
   if (column.type == ElementType::kBit) {
     DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<uint8_t>(path, column.shape));
     DADRL_RETURN_IF_ERROR(fits(array.shape.front()));
-    return PackBits(path, array, batch.bits(index));
+    return PackBits(path, array, batch->bits(index));
   }
   DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<float>(path, column.shape));
   DADRL_RETURN_IF_ERROR(fits(array.shape.front()));
-  std::ranges::copy(array.values, batch.floats(index).begin());
+  std::ranges::copy(array.values, batch->floats(index).begin());
   return RequireFinite(path, array);
-}
-
-Result<size_t> Rows(const std::filesystem::path& path, const ColumnSpec& column) {
-  if (column.type == ElementType::kBit) {
-    DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<uint8_t>(path, column.shape));
-    return array.shape.front();
-  }
-  DADRL_ASSIGN_OR_RETURN(const auto array, LoadArray<float>(path, column.shape));
-  return array.shape.front();
 }
 
 }  // namespace
 
 Result<Columns> LoadRecordedObservations(const std::filesystem::path& directory, const StepSpec& spec) {
-  const auto file = [&](const ColumnSpec& column) { return directory / (column.name + ".npy"); };
-  DADRL_ASSIGN_OR_RETURN(const size_t rows, Rows(file(spec.observation.front()), spec.observation.front()));
-  Columns batch(spec, static_cast<int>(rows));
+  std::optional<Columns> batch;
   for (size_t i = 0; i < spec.observation.size(); ++i) {
-    const ColumnSpec& column = spec.observation[i];
-    DADRL_RETURN_IF_ERROR(LoadColumn(file(column), column, i, batch));
+    DADRL_RETURN_IF_ERROR(LoadColumn(directory / (spec.observation[i].name + ".npy"), spec, i, batch));
   }
-  return batch;
+  return std::move(*batch);
 }
 
 }  // namespace dadrl

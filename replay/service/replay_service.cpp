@@ -141,7 +141,8 @@ Status ReplayService::Run(const std::atomic<bool>& stop) {
   PublishStatus();
   DADRL_RETURN_IF_ERROR(table_->Sync());
   DADRL_RETURN_IF_ERROR(table_->SaveState());
-  spdlog::info("shard {} stopped with {} frames", options_.shard, table_->stats().frames_held);
+  spdlog::info("shard {} stopped with {} frames, after {} batches", options_.shard,
+               table_->stats().frames_held, server_->statistics().batches);
   return {};
 }
 

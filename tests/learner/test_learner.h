@@ -17,12 +17,8 @@ namespace dadrl {
 
 class RecordingPublisher final : public PolicyPublisher {
  public:
-  void Publish(const PolicyUpdate& update) override {
-    versions.push_back(update.version);
-    updates.push_back(update.updates);
-  }
+  void Publish(const PolicyUpdate& update) override { versions.push_back(update.version); }
   std::vector<uint32_t> versions;
-  std::vector<uint64_t> updates;
 };
 
 // One life of a learner; `first_batch` is where its experience goes on.
