@@ -51,26 +51,16 @@ Status CheckModel(const ModelConfig& model) {
   return {};
 }
 
-Status CheckBatch(const Config& config) {
+// Whatever the algorithm: networks work on 16 rows at a time, and each thread on its share of them.
+Status CheckRows(const Config& config) {
   const int batch = config.algorithm.batch_size;
   if (batch % 16 != 0) {
     return Fail(ErrorCode::kInvalidArgument, "algorithm.batch_size: {} is not a multiple of 16", batch);
   }
-  if (batch < 16 * config.learner.threads) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "learner.threads: {} threads need algorithm.batch_size of at least {}, it is {}",
-                config.learner.threads, 16 * config.learner.threads, batch);
-  }
-  // Now and next, incompressible.
-  const int64_t float_bytes = config.actor.floats == FloatCoding::kFloat32 ? 4 : 2;
-  constexpr int64_t kPlanes = DrivingShape::kContextBytes + 64;
-  const int64_t bytes = int64_t{batch} * 2 * (ObservationFloats(config) * float_bytes + kPlanes);
-  if (bytes <= kMaxBatchBytes) return {};
-  return Fail(
-      ErrorCode::kInvalidArgument,
-      "algorithm.batch_size: {} transitions of these observations may take {} bytes, at most {} are sent "
-      "at once; lower it, observation.history or observation.vehicles",
-      batch, bytes, kMaxBatchBytes);
+  if (batch >= 16 * config.learner.threads) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "learner.threads: {} threads need algorithm.batch_size of at least {}, it is {}",
+              config.learner.threads, 16 * config.learner.threads, batch);
 }
 
 Status CheckStore(const Config& config) {
@@ -178,7 +168,7 @@ Status CheckCluster(const ClusterConfig& cluster) {
 Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckTask(config));
   DADRL_RETURN_IF_ERROR(CheckModel(config.model));
-  DADRL_RETURN_IF_ERROR(CheckBatch(config));
+  DADRL_RETURN_IF_ERROR(CheckRows(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));
   DADRL_RETURN_IF_ERROR(CheckSampling(config));

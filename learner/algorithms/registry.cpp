@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "common/config/config_schema.h"
+#include "common/config/validate.h"
 #include "common/model/policy_model.h"
 #include "common/step/step_spec_of.h"
 #include "common/util/shown.h"
 #include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/sac.h"
+#include "proto/payload_codec.h"
 
 namespace dadrl {
 namespace {
@@ -43,6 +45,18 @@ Status CheckPriorities(const Config& config, const AlgorithmSpec& spec) {
               key, config.algorithm.name);
 }
 
+// A batch that may be too long for a reply would be refused only when one is.
+Status CheckBatch(const Config& config, const TrajectoryShape& batch) {
+  const PayloadCodec codec(StepSpecOf(config), config.actor.floats);
+  const int64_t observations = int64_t{batch.count} * batch.observations();
+  const int64_t bytes = observations * static_cast<int64_t>(codec.max_payload_bytes());
+  if (bytes <= kMaxBatchBytes) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "algorithm.batch_size: {} observations of a batch of algorithm.name: {} may take {} bytes, at "
+              "most {} are sent at once; lower it, observation.history or observation.vehicles",
+              observations, config.algorithm.name, bytes, kMaxBatchBytes);
+}
+
 // Actors that wait for a policy that only experience brings, and random experience where there must be none.
 Status CheckActors(const Config& config, const AlgorithmSpec& spec) {
   if (spec.acts_from_start && config.actor.policy != ActorPolicy::kLearned) {
@@ -72,6 +86,7 @@ Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name) {
 
 Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
   DADRL_RETURN_IF_ERROR(CheckPriorities(config, spec));
+  DADRL_RETURN_IF_ERROR(CheckBatch(config, spec.batch));
   return CheckActors(config, spec);
 }
 

@@ -44,8 +44,6 @@ TEST(Validate, RefusesWhatCannotWork) {
       {{"algorithm.batch_size=40"}, "40 is not a multiple of 16"},
       {{"algorithm.batch_size=32", "learner.threads=4"},
        "4 threads need algorithm.batch_size of at least 64"},
-      {{"algorithm.batch_size=4096", "observation.vehicles=64", "observation.history=50"},
-       "at most 67108864 are sent at once"},
       {{"model.log_std_min=0", "model.log_std_max=0"}, "0 is not below model.log_std_max: 0"},
       {{"model.stae=false", "model.context=false"}, "keep one"},
       {{"task.reward.crash=0", "task.reward.off_road=0", "task.reward.goal=0", "task.reward.progress=0",

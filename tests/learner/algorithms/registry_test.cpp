@@ -89,6 +89,21 @@ TEST(Registry, ActorsWaitForAPolicyExactlyWhereItComesBeforeExperience) {
               AllOf(HasSubstr("actor.policy"), HasSubstr("set it to learned")));
 }
 
+TEST(Registry, ABatchIsAsLongAsTheAlgorithmAsksForIt) {
+  Config config = Small("dadrl");
+  config.algorithm.batch_size = 4096;
+  EXPECT_TRUE(CheckNeeds(config, Algorithms().front().spec(config)));
+  const AlgorithmSpec sequences{.batch = {.count = 512, .steps = 64, .all_observations = true},
+                                .scalars = {}};
+  EXPECT_THAT(CheckNeeds(config, sequences).error().message,
+              AllOf(HasSubstr("algorithm.batch_size: 33280 observations of a batch of algorithm.name: dadrl"),
+                    HasSubstr("at most 67108864 are sent at once; lower it")));
+  config.observation.vehicles = 64;
+  config.observation.history = 50;
+  EXPECT_THAT(CheckNeeds(config, Algorithms().front().spec(config)).error().message,
+              HasSubstr("algorithm.batch_size: 8192 observations"));
+}
+
 TEST(Registry, AnAlgorithmTrainsTheNetworkThatActs) {
   const Config config = Small("sac");
   const Status refused = CheckTrainsPolicy(config, FakeAlgorithm().published_policy());
