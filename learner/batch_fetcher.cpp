@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <utility>
 
 #include "common/step/step_spec_of.h"
 #include "common/util/log.h"
@@ -82,8 +83,7 @@ BatchFetcher::BatchFetcher(Endpoints endpoints, const Config& config, const Traj
       decoder_(StepSpecOf(config), ExperienceBounds::From(config)) {
   for (size_t i = 0; i < SlotCount(config); ++i) {
     slots_.push_back(std::make_unique<Slot>(Slot{TrajectoryBatch(StepSpecOf(config), shape), 0}));
-    Slot* slot = slots_.back().get();
-    static_cast<void>(free_.TryPush(slot));  // has room for all
+    free_.PushOrDrop(slots_.back().get());  // has room for all
   }
 }
 
@@ -109,8 +109,7 @@ TrajectoryBatch* BatchFetcher::Take(Duration timeout) {
 }
 
 void BatchFetcher::Release(TrajectoryBatch* batch) {
-  Slot* slot = &SlotOf(*batch);
-  static_cast<void>(free_.TryPush(slot));  // has room for all
+  free_.PushOrDrop(&SlotOf(*batch));  // has room for all
 }
 
 void BatchFetcher::UpdatePriorities(const TrajectoryBatch& batch, std::span<const float> td_error) {
@@ -147,8 +146,7 @@ void BatchFetcher::Fetch() {
   SendDue();
   UpdateReasonToWait();
   endpoints_.replies->Wait(WaitTime());
-  endpoints_.replies->Take(static_cast<int>(slots_.size()),
-                           [this](const dadrl_idl_BatchReply& reply) { OnReply(reply); });
+  endpoints_.replies->Take(std::ssize(slots_), [this](const dadrl_idl_BatchReply& reply) { OnReply(reply); });
 }
 
 Duration BatchFetcher::WaitTime() const {
@@ -171,7 +169,7 @@ void BatchFetcher::RepeatAfterRematch() {
 
 void BatchFetcher::SendDue() {
   if (!can_ask()) return;
-  for (const RequestBook::Request& request : book_.Due(clock_.Now(), static_cast<int>(ready_.size()))) {
+  for (const RequestBook::Request& request : book_.Due(clock_.Now(), std::ssize(ready_))) {
     dadrl_idl_BatchRequest sample{};
     sample.shard = request.shard;
     sample.learner = incarnation_;
@@ -192,7 +190,7 @@ void BatchFetcher::SendDue() {
 }
 
 void BatchFetcher::OnReply(const dadrl_idl_BatchReply& reply) {
-  if (reply.learner != incarnation_ || reply.shard >= static_cast<uint32_t>(config_.replay.shards)) {
+  if (reply.learner != incarnation_ || std::cmp_greater_equal(reply.shard, config_.replay.shards)) {
     Count(foreign_);
     return;
   }
@@ -233,13 +231,13 @@ void BatchFetcher::Decode(const dadrl_idl_BatchReply& reply) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(reply.bytes._buffer, reply.bytes._length));
   const Status decoded = decoder_.Decode(bytes, slot->batch);
   if (!decoded) {
-    static_cast<void>(free_.TryPush(slot));
+    free_.PushOrDrop(slot);
     DropCorrupt(reply, decoded.error());
     return;
   }
   slot->shard = reply.shard;
   Count(batches_);
-  static_cast<void>(ready_.TryPush(slot));  // has room for all
+  ready_.PushOrDrop(slot);  // has room for all
 }
 
 void BatchFetcher::DropCorrupt(const dadrl_idl_BatchReply& reply, const Error& error) {

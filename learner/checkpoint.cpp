@@ -25,7 +25,7 @@ constexpr size_t kHeadBytes = 8 + 4 + 4 + 8;
 
 template <typename T>
 void PutVector(ByteWriter& writer, const std::vector<T>& values) {
-  writer.Put(static_cast<uint64_t>(values.size()));
+  writer.Put<uint64_t>(values.size());
   writer.PutBytes(std::as_bytes(std::span(values)));
 }
 
@@ -34,7 +34,7 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   std::vector<std::byte> header;
   ByteWriter writer(header);
   kKind.PutHead(writer);
-  writer.Put(static_cast<uint32_t>(checkpoint.blocks.size()));
+  writer.Put<uint32_t>(checkpoint.blocks.size());
   writer.Put(uint64_t{0});  // file length, known below
   writer.Put(checkpoint.updates);
   writer.Put(checkpoint.weights_version);
@@ -46,7 +46,7 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   uint64_t block_bytes = 0;
   for (const Checkpoint::Block& block : checkpoint.blocks) {
     writer.PutText(block.name);
-    writer.Put(static_cast<uint64_t>(block.bytes.size()));
+    writer.Put<uint64_t>(block.bytes.size());
     block_bytes += block.bytes.size();
   }
   const uint64_t length = header.size() + block_bytes + sizeof(uint64_t);

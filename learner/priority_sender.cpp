@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "proto/borrowed_sequence.h"
+
 namespace dadrl {
 
 Result<std::unique_ptr<PrioritySender>> PrioritySender::Create(const Transport& transport,
@@ -16,10 +18,7 @@ PrioritySender::PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>>
       incarnation_(incarnation),
       most_(static_cast<float>(most)),
       messages_(kMessages) {
-  for (Message& message : messages_) {
-    Message* free = &message;
-    static_cast<void>(free_.TryPush(free));  // has room for all
-  }
+  for (Message& message : messages_) free_.PushOrDrop(&message);  // has room for all
 }
 
 void PrioritySender::Start() {
@@ -40,26 +39,23 @@ void PrioritySender::Send(uint32_t shard, std::span<const uint64_t> keys, std::s
   std::vector<float>& bounded = (*message)->priorities;
   bounded.assign(priorities.begin(), priorities.end());
   for (float& priority : bounded) priority = std::min(priority, most_);
-  Message* filled = *message;
-  static_cast<void>(filled_.TryPush(filled));  // has room for all
+  filled_.PushOrDrop(*message);  // has room for all
   if (thread_) thread_->Wake();
 }
 
 void PrioritySender::Step() {
   while (const std::optional<Message*> next = filled_.Pop(Duration::zero())) {
     Write(**next);
-    Message* free = *next;
-    static_cast<void>(free_.TryPush(free));  // has room for all
+    free_.PushOrDrop(*next);  // has room for all
   }
 }
 
-void PrioritySender::Write(Message& message) {
+void PrioritySender::Write(const Message& message) {
   dadrl_idl_PriorityUpdate sample{};
   sample.shard = message.shard;
   sample.learner = incarnation_;
-  const auto count = static_cast<uint32_t>(message.keys.size());
-  sample.keys = {count, count, message.keys.data(), false};
-  sample.priorities = {count, count, message.priorities.data(), false};
+  Borrow(message.keys, sample.keys);
+  Borrow(message.priorities, sample.priorities);
   if (!writer_->Write(sample)) dropped_.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -43,7 +43,7 @@ class PrioritySender {
   };
   static constexpr size_t kMessages = 8;
 
-  void Write(Message& message);
+  void Write(const Message& message);
   PrioritySender(std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer, uint64_t incarnation, double most);
 
   std::unique_ptr<Writer<dadrl_idl_PriorityUpdate>> writer_;

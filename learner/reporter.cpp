@@ -44,7 +44,7 @@ void Reporter::Report() {
 
   const double all_s = activity.AllSeconds() - activity_.AllSeconds();
   const double work_s = activity[Activity::kWork].seconds - activity_[Activity::kWork].seconds;
-  const LogContext context{.wall_time_s = 1e-9 * static_cast<double>(parts_.clock.WallTimeNs()),
+  const LogContext context{.wall_time_s = 1e-9 * parts_.clock.WallTimeNs(),
                            .interval_s = ToSeconds(now - reported_at_),
                            .batch_bytes = static_cast<double>(fetched.bytes - batch_bytes_),
                            .replay_frames = static_cast<double>(fetched.frames_held),
@@ -52,8 +52,8 @@ void Reporter::Report() {
   parts_.log.Add(interval, context);
   if (now - printed_at_ >= kPrintInterval) {
     spdlog::info("{} updates, {:.1f}/s, weights version {}, {:.0f} % busy; {}", interval.updates,
-                 static_cast<double>(interval.interval_updates) / context.interval_s,
-                 interval.weights_version, 100.0 * context.work_fraction, ScalarsText(status.scalars));
+                 interval.interval_updates / context.interval_s, interval.weights_version,
+                 100.0 * context.work_fraction, ScalarsText(status.scalars));
     printed_at_ = now;
   }
   reported_at_ = now;
@@ -64,10 +64,10 @@ void Reporter::Report() {
 ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const FetchStats& fetched) const {
   const std::optional<TimePoint> saved_at = parts_.checkpoints.saved_at();
   ProcessStatus status = envelope_.Begin();
-  status[Metric::kUpdates] = static_cast<double>(interval.updates);
+  status[Metric::kUpdates] = interval.updates;
   status[Metric::kWeightsVersion] = interval.weights_version;
-  status[Metric::kBatchBytes] = static_cast<double>(fetched.bytes);
-  status[Metric::kCorruptBatches] = static_cast<double>(fetched.corrupt);
+  status[Metric::kBatchBytes] = fetched.bytes;
+  status[Metric::kCorruptBatches] = fetched.corrupt;
   status[Metric::kStalenessVersionsMean] = interval.staleness.versions_mean;
   status[Metric::kStalenessVersionsMax] = interval.staleness.versions_max;
   status[Metric::kStalenessSecondsMean] = interval.staleness.seconds_mean;

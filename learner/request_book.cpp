@@ -119,7 +119,7 @@ std::optional<uint32_t> RequestBook::ChooseShard(TimePoint now) {
   bool all_avoided = true;
   for (uint32_t i = 0; i < shards_.size(); ++i) {
     const Shard& shard = shards_[i];
-    fullest = std::max(fullest, static_cast<double>(shard.frames_held));
+    fullest = std::max<double>(fullest, shard.frames_held);
     all_avoided = all_avoided && (now < shard.avoided_until || Withholds(i));
   }
   double total = 0.0;
@@ -127,7 +127,7 @@ std::optional<uint32_t> RequestBook::ChooseShard(TimePoint now) {
   for (uint32_t i = 0; i < shards_.size(); ++i) {
     Shard& shard = shards_[i];
     if (Withholds(i) || (now < shard.avoided_until && !all_avoided)) continue;
-    const double weight = shard.known ? std::max(1.0, static_cast<double>(shard.frames_held)) : fullest;
+    const double weight = shard.known ? std::max<double>(1.0, shard.frames_held) : fullest;
     shard.turn += weight;
     total += weight;
     if (!chosen || shard.turn > shards_[*chosen].turn) chosen = i;

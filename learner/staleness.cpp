@@ -28,8 +28,7 @@ void StalenessTracker::Add(std::span<const uint32_t> acting_versions) {
     if (!published_ns_.empty()) {
       const size_t back = std::min<size_t>(behind, published_ns_.size() - 1);
       // A wall clock set back must not make experience come from the future.
-      seconds = std::max(0.0, 1e-9 * static_cast<double>(published_ns_.back() -
-                                                         published_ns_[published_ns_.size() - 1 - back]));
+      seconds = std::max(0.0, 1e-9 * (published_ns_.back() - published_ns_[published_ns_.size() - 1 - back]));
     }
     versions_sum_ += behind;
     seconds_sum_ += seconds;
@@ -42,8 +41,8 @@ void StalenessTracker::Add(std::span<const uint32_t> acting_versions) {
 Staleness StalenessTracker::TakeInterval() {
   Staleness interval = max_;
   if (count_ > 0) {
-    interval.versions_mean = versions_sum_ / static_cast<double>(count_);
-    interval.seconds_mean = seconds_sum_ / static_cast<double>(count_);
+    interval.versions_mean = versions_sum_ / count_;
+    interval.seconds_mean = seconds_sum_ / count_;
   }
   versions_sum_ = 0.0;
   seconds_sum_ = 0.0;

@@ -87,7 +87,7 @@ Result<TensorBoardWriter> TensorBoardWriter::Create(const std::filesystem::path&
   }
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0 || host[0] == '\0') host = {'h', 'o', 's', 't'};
-  const double now_s = 1e-9 * static_cast<double>(WallTimeNs());
+  const double now_s = 1e-9 * WallTimeNs();
   const std::filesystem::path path =
       directory / fmt::format("{}{}.{}.{}", kPrefix, NameTime(directory, static_cast<int64_t>(now_s)),
                               host.data(), ::getpid());
@@ -134,7 +134,7 @@ Status TensorBoardWriter::Add(int64_t step, double wall_time_s, std::span<const 
 Status TensorBoardWriter::WriteRecord(std::span<const std::byte> event) {
   std::vector<std::byte> record;
   ByteWriter writer(record);
-  writer.Put(static_cast<uint64_t>(event.size()));
+  writer.Put<uint64_t>(event.size());
   writer.Put(MaskedCrc32c(std::span(record).first(sizeof(uint64_t))));
   writer.PutBytes(event);
   writer.Put(MaskedCrc32c(event));

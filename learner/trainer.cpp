@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "common/config/config_yaml.h"
 #include "common/util/log.h"
@@ -138,7 +139,7 @@ Result<bool> Trainer::BeginCheckpoint() {
 
 Status Trainer::SaveNow() {
   // Whatever the one before came to, this one decides.
-  static_cast<void>(parts_.checkpoints.Finish());
+  std::ignore = parts_.checkpoints.Finish();
   DADRL_ASSIGN_OR_RETURN([[maybe_unused]] const bool begun, BeginCheckpoint());
   return parts_.checkpoints.Finish();
 }

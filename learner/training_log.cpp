@@ -37,15 +37,15 @@ double PerSecond(const Row& row, double value) {
 constexpr std::array kColumnsBefore = {
     Column{"wall_time_s", "", [](const Row& r) { return r.context.wall_time_s; }},
     Column{"trained_s", "", [](const Row& r) { return r.training.trained_s; }},
-    Column{"updates", "", [](const Row& r) { return static_cast<double>(r.training.updates); }},
+    Column{"updates", "", [](const Row& r) -> double { return r.training.updates; }},
     Column{"updates_per_s", "speed/updates_per_s",
-           [](const Row& r) { return PerSecond(r, static_cast<double>(r.training.interval_updates)); }},
+           [](const Row& r) { return PerSecond(r, r.training.interval_updates); }},
 };
 
 // Between them stand the algorithm's scalars.
 constexpr std::array kColumnsBehind = {
     Column{"weights_version", "staleness/weights_version",
-           [](const Row& r) { return static_cast<double>(r.training.weights_version); }},
+           [](const Row& r) -> double { return r.training.weights_version; }},
     Column{"staleness_versions_mean", "staleness/versions_mean",
            [](const Row& r) { return OfUpdates(r, r.training.staleness.versions_mean); }},
     Column{"staleness_versions_max", "staleness/versions_max",

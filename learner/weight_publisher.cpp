@@ -3,6 +3,7 @@
 #include "common/io/checksum.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
+#include "proto/borrowed_sequence.h"
 
 namespace dadrl {
 
@@ -67,10 +68,7 @@ void WeightPublisher::Send(const Pending& policy) {
   sample.published_ns = clock_.WallTimeNs();
   sample.layout_hash = policy.layout_hash;
   sample.checksum = Xxh3(bytes);
-  const auto count = static_cast<uint32_t>(bytes.size());
-  // The middleware only reads while it serialises; its struct knows no const.
-  auto* buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(bytes.data()));
-  sample.parameters = {count, count, buffer, false};
+  Borrow(bytes, sample.parameters);
   const Status written = writer_->Write(sample);
   if (!written) spdlog::warn("weights version {} was not sent: {}", policy.version, written.error().message);
 }

@@ -8,6 +8,7 @@
 
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
+#include "common/util/enum_array.h"
 #include "common/util/prefetch.h"
 
 namespace dadrl {
@@ -69,7 +70,7 @@ void ChunkBuilder::AddTransition(ColumnRows observation, std::span<const float> 
   assert((flags & ~(kTerminated | kTruncated)) == 0);
   assert(decision.size() == decision_floats_);
   decisions_.insert(decisions_.end(), decision.begin(), decision.end());
-  AddFrame(observation, reward, static_cast<uint8_t>(flags | kHasDecision), policy_version);
+  AddFrame(observation, reward, flags | kHasDecision, policy_version);
 }
 
 void ChunkBuilder::AddFinal(ColumnRows observation) {
@@ -83,7 +84,7 @@ void ChunkBuilder::AddFrame(ColumnRows observation, float reward, uint8_t flags,
   policy_versions_.push_back(policy_version);
   rewards_.push_back(reward);
   flags_.push_back(flags);
-  offsets_.push_back(static_cast<uint32_t>(payloads_.size()));
+  offsets_.push_back(payloads_.size());
 }
 
 bool ChunkBuilder::full() const {
@@ -159,7 +160,7 @@ Result<ChunkView> ChunkView::Parse(std::span<const std::byte> bytes, ChunkFault*
   if (!CheckedContent(bytes)) return Fail(ErrorCode::kCorrupt, "chunk fails its checksum");
   ChunkView view;
   view.bytes_ = bytes;
-  view.frames_ = static_cast<uint16_t>(header.frames);
+  view.frames_ = header.frames;
   view.decision_floats_ = decision_floats;
   view.payload_bytes_ = header.payload_bytes;
   checking(ChunkFault::kContents);
@@ -211,10 +212,9 @@ Status ChunkView::CheckFrames() const {
 }
 
 std::string_view ChunkFaultName(ChunkFault fault) {
-  static constexpr std::array<std::string_view, static_cast<size_t>(ChunkFault::kCount)> kNames = {
+  static constexpr EnumArray<ChunkFault, std::string_view> kNames = {
       "garbage", "version", "length", "checksum", "contents", "schema", "stale"};
-  const auto index = static_cast<size_t>(fault);
-  return index < kNames.size() ? kNames[index] : "unknown";
+  return fault >= ChunkFault{} && fault < ChunkFault::kCount ? kNames[fault] : "unknown";
 }
 
 uint64_t ChunkView::checksum() const { return Load<uint64_t>(&bytes_[bytes_.size() - kChecksumBytes], 0); }

@@ -73,7 +73,7 @@ class ChunkBuilder {
                      uint32_t policy_version);
   // The observation after a truncation.
   void AddFinal(ColumnRows observation);
-  int frames() const { return static_cast<int>(flags_.size()); }
+  int frames() const { return std::ssize(flags_); }
   // No other frame may be added: kMaxChunkFrames are in, or the next might exceed kMaxChunkBytes (which takes
   // an observation far larger than the default one).
   bool full() const;

@@ -1,6 +1,7 @@
 #include "proto/experience_bounds.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "common/config/config_schema.h"
 #include "proto/experience.h"
@@ -41,7 +42,7 @@ ExperienceBounds ExperienceBounds::OfAnyTask() {
   widest.algorithm.gamma = 1.0;
   for (const ConfigField& field : SchemaOf(widest)) {
     // Each field takes the upper end of its own range.
-    if (field.key.starts_with("task.")) static_cast<void>(AssignValue(field, fmt::format("{}", field.max)));
+    if (field.key.starts_with("task.")) std::ignore = AssignValue(field, fmt::format("{}", field.max));
   }
   return From(widest);
 }

@@ -51,7 +51,7 @@ constexpr Coder kRaw = {
     .decode =
         [](const ColumnSpec&, FloatCoding, BitReader& in, const MutableColumnRows& row, size_t index) {
           for (float& value : row.floats(index)) value = std::bit_cast<float>(in.Get(32));
-          for (uint8_t& byte : row.bits(index)) byte = static_cast<uint8_t>(in.Get(8));
+          for (uint8_t& byte : row.bits(index)) byte = in.Get(8);
           return AllFinite(row.floats(index));
         }};
 
@@ -63,7 +63,7 @@ constexpr Coder kHalf = {
         },
     .decode =
         [](const ColumnSpec&, FloatCoding, BitReader& in, const MutableColumnRows& row, size_t index) {
-          for (float& value : row.floats(index)) value = FloatFromHalf(static_cast<uint16_t>(in.Get(16)));
+          for (float& value : row.floats(index)) value = FloatFromHalf(in.Get(16));
           return AllFinite(row.floats(index));
         }};
 

@@ -8,6 +8,7 @@
 #include "common/telemetry/lcm_receiver.h"
 #include "common/telemetry/lcm_sender.h"
 #include "common/util/log.h"
+#include "proto/borrowed_sequence.h"
 #include "proto/telemetry_packet.h"
 #include "proto/topics.h"
 
@@ -21,7 +22,7 @@ constexpr int kPacketsOfAPoll = 4096;
 // Between Cyclone's multicast ports (unused) and its unicast ports in the cluster's block.
 constexpr int kTelemetryPortOffset = 5;
 
-constexpr std::string_view kMetricNames[] = {
+constexpr EnumArray<Metric, std::string_view> kMetricNames = {
     "env_steps",
     "decisions",
     "episodes",
@@ -62,11 +63,11 @@ constexpr std::string_view kMetricNames[] = {
     "staleness_seconds_max",
     "checkpoint_age_s",
 };
-static_assert(std::size(kMetricNames) == static_cast<size_t>(Metric::kCount));
+static_assert(!kMetricNames.back().empty());
 
 }  // namespace
 
-std::string_view MetricName(Metric metric) { return kMetricNames[static_cast<size_t>(metric)]; }
+std::string_view MetricName(Metric metric) { return kMetricNames[metric]; }
 
 std::string TelemetryUrl(const ClusterConfig& cluster) {
   return fmt::format("udpm://239.255.76.67:{}?ttl=0", cluster.port + kTelemetryPortOffset);
@@ -80,16 +81,15 @@ struct TelemetryPublisher::Impl {
   std::unique_ptr<Writer<dadrl_idl_Telemetry>> relay;
   std::atomic<bool> complained{false};
 
-  void Publish(bool is_episode, std::vector<std::byte> packet) {
+  void Publish(bool is_episode, std::span<const std::byte> packet) {
     const Status sent =
         lcm ? lcm->Publish(TelemetryChannel(is_episode), packet) : WriteToRelay(is_episode, packet);
     if (!sent && !complained.exchange(true)) spdlog::warn("telemetry: {}", sent.error().message);
   }
-  Status WriteToRelay(bool is_episode, std::vector<std::byte>& packet) {
+  Status WriteToRelay(bool is_episode, std::span<const std::byte> packet) {
     dadrl_idl_Telemetry message{};
     message.is_episode = is_episode;
-    message.packet._buffer = reinterpret_cast<uint8_t*>(packet.data());
-    message.packet._length = message.packet._maximum = static_cast<uint32_t>(packet.size());
+    Borrow(packet, message.packet);
     return relay->Write(message);
   }
 };
@@ -220,7 +220,7 @@ TelemetryRefusals TelemetrySubscriber::refusals() const {
   if (impl_->rejected > 0) refusals["impossible contents"] = impl_->rejected;
   for (size_t i = 0; impl_->lcm && i < impl_->lcm->refusals().size(); ++i) {
     const uint64_t count = impl_->lcm->refusals()[i];
-    if (count > 0) refusals[std::string(LcmRefusalName(static_cast<LcmRefusal>(i)))] = count;
+    if (count > 0) refusals[std::string(LcmRefusalName(LcmRefusals::At(i)))] = count;
   }
   return refusals;
 }

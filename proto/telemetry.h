@@ -3,7 +3,6 @@
 // takes differences.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -14,6 +13,7 @@
 
 #include "common/config/config.h"
 #include "common/dds/node.h"
+#include "common/util/enum_array.h"
 #include "common/util/fault.h"
 #include "common/util/result.h"
 #include "common/util/time_ledger.h"
@@ -85,14 +85,14 @@ struct ProcessStatus {
   uint64_t incarnation = 0;
   int64_t sent_ns = 0;  // wall time
   double uptime_s = 0.0;
-  std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
+  EnumArray<Metric, double> metrics{};
   ActivityTotals activities;  // cumulative, of the process's main loop
   std::vector<Fault> faults;  // that last now; printable ASCII, anything else is sent as '?'
   // Means over the last interval. Sent are the first kMaxScalars that a reader would take.
   std::vector<NamedScalar> scalars;
 
-  double& operator[](Metric metric) { return metrics[static_cast<size_t>(metric)]; }
-  double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
+  double& operator[](Metric metric) { return metrics[metric]; }
+  double operator[](Metric metric) const { return metrics[metric]; }
 };
 
 // One finished episode, for the rates of those just driven; all of it is in the actor's own table

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "common/util/utf8.h"
 #include "dadrl_lcm/episode_report.hpp"
@@ -15,19 +16,19 @@
 namespace dadrl {
 namespace {
 
-constexpr int kMetrics = static_cast<int>(Metric::kCount);
-constexpr int kActivities = static_cast<int>(Activity::kCount);
+constexpr int kMetrics = decltype(ProcessStatus::metrics)().size();
+constexpr int kActivities = ActivityTotals().size();
 static_assert(kMetrics <= 48 && kActivities <= 16, "widen the arrays in telemetry.lcm");
+
+constexpr int kOutcomes = 4;
 
 static_assert(ProcessStatus::kMaxFaults == std::extent_v<decltype(dadrl_lcm::process_status::fault_kind)> &&
               ProcessStatus::kMaxFaultText + 1 == sizeof(dadrl_lcm::process_status::fault_text[0]));
 
-constexpr int kOutcomes = 4;
-
 template <typename Message>
 std::vector<std::byte> Encode(const Message& message) {
   std::vector<std::byte> packet(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(packet.data(), 0, static_cast<int>(packet.size()));
+  message.encode(packet.data(), 0, packet.size());
   return packet;
 }
 
@@ -36,8 +37,8 @@ std::vector<std::byte> Encode(const Message& message) {
 template <typename Message>
 Result<Message> Decode(std::span<const std::byte> packet) {
   Message message{};
-  const auto expected = static_cast<size_t>(message.getEncodedSize());
-  if (packet.size() != expected) {
+  const int expected = message.getEncodedSize();
+  if (std::cmp_not_equal(packet.size(), expected)) {
     return Fail(ErrorCode::kCorrupt, "telemetry packet of {} bytes, not {}", packet.size(), expected);
   }
   int64_t fingerprint = 0;
@@ -45,7 +46,7 @@ Result<Message> Decode(std::span<const std::byte> packet) {
   if (fingerprint != Message::getHash()) {
     return Fail(ErrorCode::kCorrupt, "telemetry packet of another type or version");
   }
-  if (message.decode(packet.data(), 0, static_cast<int>(packet.size())) < 0) {
+  if (message.decode(packet.data(), 0, packet.size()) < 0) {
     return Fail(ErrorCode::kCorrupt, "telemetry packet cannot be decoded");
   }
   return message;
@@ -67,8 +68,8 @@ bool MayBeNegative(Metric metric) {
 }
 
 bool IsPossible(const dadrl_lcm::process_status& message) {
-  for (int i = 0; i < kMetrics; ++i) {
-    const double least = MayBeNegative(static_cast<Metric>(i)) ? -kMost : 0.0;
+  for (size_t i = 0; i < kMetrics; ++i) {
+    const double least = MayBeNegative(decltype(ProcessStatus::metrics)::At(i)) ? -kMost : 0.0;
     if (!IsBetween(least, message.metrics[i], kMost)) return false;
   }
   for (int i = 0; i < kActivities; ++i) {
@@ -85,13 +86,13 @@ bool IsPossible(const NamedScalar& scalar) {
 
 // Whether a process of `role` can have the number `index`.
 bool IsProcess(int role, int index) {
-  switch (role) {
-    case static_cast<int>(dds::Role::kReplay):
+  switch (static_cast<dds::Role>(role)) {
+    case dds::Role::kReplay:
       return index >= 0 && index < dds::kMaxShards;
-    case static_cast<int>(dds::Role::kActor):
+    case dds::Role::kActor:
       return index >= 0 && index <= kMaxActorNumber;
-    case static_cast<int>(dds::Role::kLearner):
-    case static_cast<int>(dds::Role::kMonitor):
+    case dds::Role::kLearner:
+    case dds::Role::kMonitor:
       return index == 0;
     default:
       return false;
@@ -114,7 +115,7 @@ std::optional<std::string> TextOf(std::span<const uint8_t> bytes) {
 
 void PutFaults(const std::vector<Fault>& faults, dadrl_lcm::process_status& message) {
   const size_t count = std::min(faults.size(), ProcessStatus::kMaxFaults);
-  message.fault_count = static_cast<int32_t>(count);
+  message.fault_count = count;
   for (size_t i = 0; i < count; ++i) {
     message.fault_kind[i] = static_cast<int32_t>(faults[i].kind);
     message.fault_s[i] = faults[i].since_s;
@@ -130,16 +131,16 @@ void PutFaults(const std::vector<Fault>& faults, dadrl_lcm::process_status& mess
 
 // Nothing when one of them cannot be.
 std::optional<std::vector<Fault>> FaultsOf(const dadrl_lcm::process_status& message) {
-  if (message.fault_count < 0 || message.fault_count > static_cast<int32_t>(ProcessStatus::kMaxFaults)) {
+  if (message.fault_count < 0 || std::cmp_greater(message.fault_count, ProcessStatus::kMaxFaults)) {
     return std::nullopt;
   }
   std::vector<Fault> faults(static_cast<size_t>(message.fault_count));
   for (size_t i = 0; i < faults.size(); ++i) {
-    const int32_t kind = message.fault_kind[i];
+    const auto kind = static_cast<FaultKind>(message.fault_kind[i]);
     const auto text = TextOf(message.fault_text[i]);
     const bool lasts = std::isfinite(message.fault_s[i]) && message.fault_s[i] >= 0.0;
-    if (kind < 0 || kind >= static_cast<int32_t>(FaultKind::kCount) || !text || !lasts) return std::nullopt;
-    faults[i] = {static_cast<FaultKind>(kind), *text, message.fault_s[i]};
+    if (kind < FaultKind{} || kind >= FaultKind::kCount || !text || !lasts) return std::nullopt;
+    faults[i] = {kind, *text, message.fault_s[i]};
   }
   return faults;
 }
@@ -181,8 +182,8 @@ std::vector<std::byte> EncodePacket(const ProcessStatus& status) {
   message.sent_ns = status.sent_ns;
   message.uptime_s = status.uptime_s;
   std::copy(status.metrics.begin(), status.metrics.end(), message.metrics);
-  for (int i = 0; i < kActivities; ++i) {
-    const TimeSpent& spent = status.activities[static_cast<Activity>(i)];
+  for (size_t i = 0; i < kActivities; ++i) {
+    const TimeSpent& spent = status.activities[i];
     message.activity_s[i] = spent.seconds;
     message.activity_begun[i] = std::bit_cast<int64_t>(spent.count);
   }
@@ -224,9 +225,8 @@ Result<ProcessStatus> DecodeStatusPacket(std::span<const std::byte> packet) {
   status.sent_ns = message.sent_ns;
   status.uptime_s = message.uptime_s;
   std::copy_n(message.metrics, kMetrics, status.metrics.begin());
-  for (int i = 0; i < kActivities; ++i) {
-    status.activities[static_cast<Activity>(i)] = {std::bit_cast<uint64_t>(message.activity_begun[i]),
-                                                   message.activity_s[i]};
+  for (size_t i = 0; i < kActivities; ++i) {
+    status.activities[i] = {std::bit_cast<uint64_t>(message.activity_begun[i]), message.activity_s[i]};
   }
   status.faults = std::move(*faults);
   return status;

@@ -56,7 +56,7 @@ void PutEntry(const SampledTrajectory& trajectory, Output& out) {
   out.Put(trajectory.key);
   out.Put(trajectory.probability);
   out.Put(trajectory.importance_weight);
-  out.Put(static_cast<uint16_t>(trajectory.steps.size()));
+  out.Put<uint16_t>(trajectory.steps.size());
   out.Put(static_cast<uint16_t>(trajectory.terminated  ? kTerminatedEnd
                                 : trajectory.truncated ? kTruncatedEnd
                                                        : kNone));
@@ -122,7 +122,7 @@ std::vector<std::byte> EncodeTrajectories(std::span<const SampledTrajectory> tra
     for (const SampledStep& step : trajectory.steps) PutStep(step, out);
   }
   for (const SampledTrajectory& trajectory : trajectories) {
-    for (const auto payload : trajectory.payloads) out.Put(static_cast<uint32_t>(payload.size()));
+    for (const auto payload : trajectory.payloads) out.Put<uint32_t>(payload.size());
   }
   PutPayloads(trajectories, out);
   out.Put(Xxh3(std::span(bytes).first(bytes.size() - kChecksumBytes)));

@@ -26,9 +26,8 @@ ChunkIndex::ChunkIndex(const Options& options)
 }
 ChunkIndex::~ChunkIndex() = default;
 
-uint64_t ChunkIndex::KeyOf(const StoredChunk& chunk, int frame) {
-  return (chunk.segment->segment->id() << kChunkBits | chunk.number) << kFrameBits |
-         static_cast<uint64_t>(frame);
+uint64_t ChunkIndex::KeyOf(const StoredChunk& chunk, uint32_t frame) {
+  return (chunk.segment->segment->id() << kChunkBits | chunk.number) << kFrameBits | frame;
 }
 
 void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkView& chunk) {
@@ -37,7 +36,7 @@ void ChunkIndex::Add(const std::shared_ptr<const Segment>& segment, const ChunkV
     segments_.back()->segment = segment;
   }
   StoredSegment& home = *segments_.back();
-  StoredChunk& stored = home.chunks.emplace_back(chunk, home, static_cast<uint32_t>(home.chunks.size()));
+  StoredChunk& stored = home.chunks.emplace_back(chunk, home, home.chunks.size());
   ++chunk_count_;
   AddFrames(stored, Continue(stored));
 }
@@ -62,9 +61,8 @@ ChunkIndex::OpenEpisode& ChunkIndex::Continue(StoredChunk& chunk) {
 }
 
 void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
-  const auto n_step = static_cast<size_t>(options_.n_step);
   uint8_t flags = 0;
-  for (int frame = 0; frame < chunk.view.frames(); ++frame) {
+  for (uint8_t frame = 0; frame < chunk.view.frames(); ++frame) {
     flags = chunk.view.flags(frame);
     if ((flags & kHasDecision) == 0) {
       Release(episode, episode.pending.size());
@@ -72,8 +70,8 @@ void ChunkIndex::AddFrames(StoredChunk& chunk, OpenEpisode& episode) {
     }
     chunk.oldest_version = std::min(chunk.oldest_version, chunk.view.policy_version(frame));
     // This frame is the observation that slices which end here bootstrap from.
-    if (episode.pending.size() == n_step) Release(episode, 1);
-    episode.pending.push_back({.chunk = &chunk, .frame = static_cast<uint8_t>(frame)});
+    if (std::cmp_equal(episode.pending.size(), options_.n_step)) Release(episode, 1);
+    episode.pending.push_back({.chunk = &chunk, .frame = frame});
     if ((flags & kTerminated) != 0) Release(episode, episode.pending.size());
   }
   frames_ += chunk.decisions();
@@ -91,12 +89,12 @@ void ChunkIndex::Release(OpenEpisode& episode, size_t count) {
 
 void ChunkIndex::MakeItem(const Item& item) {
   const uint32_t frame = item.chunk->view.header().first_frame + item.frame;
-  if (frame % static_cast<uint32_t>(options_.stride) != 0) return;
+  if (frame % options_.stride != 0) return;
   if (TooStale(item.chunk->view.policy_version(item.frame))) {
     item.chunk->slots()[item.frame] = StoredChunk::kRemoved;
     return;
   }
-  uint32_t slot = static_cast<uint32_t>(items_.size());
+  uint32_t slot = items_.size();
   if (free_slots_.empty()) {
     items_.push_back(item);
   } else {
@@ -104,11 +102,11 @@ void ChunkIndex::MakeItem(const Item& item) {
     free_slots_.pop_back();
     items_[slot] = item;
   }
-  items_[slot].priority = static_cast<float>(max_priority_);
+  items_[slot].priority = max_priority_;
   item.chunk->slots()[item.frame] = slot;
   selector_->Insert(slot, max_priority_);
   if (remover_) remover_->Insert(slot, max_priority_);
-  samples_left_ += static_cast<uint64_t>(options_.max_times_sampled);
+  samples_left_ += options_.max_times_sampled;
 }
 
 void ChunkIndex::RemoveItem(uint32_t slot) {
@@ -119,8 +117,7 @@ void ChunkIndex::RemoveItem(uint32_t slot) {
 void ChunkIndex::FreeSlot(uint32_t slot) {
   Item& item = items_[slot];
   if (remover_) remover_->Delete(slot);
-  samples_left_ -= static_cast<uint64_t>(options_.max_times_sampled) -
-                   (options_.max_times_sampled > 0 ? item.times_sampled : 0);
+  samples_left_ -= options_.max_times_sampled - (options_.max_times_sampled > 0 ? item.times_sampled : 0);
   item.chunk->slots()[item.frame] = StoredChunk::kRemoved;
   item = {};
   free_slots_.push_back(slot);
@@ -208,8 +205,7 @@ SampledItems ChunkIndex::SampleItems(size_t count, int n_step, Random& random) {
     Item& item = items_[choices[i].slot];
     if (options_.max_times_sampled == 0 && item.times_sampled < kMaxTimesSampled) ++item.times_sampled;
     // Never 0, which nothing that was sampled has: importance divides by it.
-    sampled.items[i].probability =
-        std::max(static_cast<float>(choices[i].probability), std::numeric_limits<float>::min());
+    sampled.items[i].probability = std::max<float>(choices[i].probability, std::numeric_limits<float>::min());
     sampled.items[i].frame = item.frame;
     sampled.items[i].key = KeyOf(*item.chunk, item.frame);
     AddChunks(*item.chunk, n_step, sampled.items[i], sampled);
@@ -222,7 +218,7 @@ SampledItems ChunkIndex::SampleItems(size_t count, int n_step, Random& random) {
 bool ChunkIndex::CountSample(uint32_t slot) {
   Item& item = items_[slot];
   --samples_left_;
-  if (++item.times_sampled < static_cast<uint32_t>(options_.max_times_sampled)) return false;
+  if (++item.times_sampled < options_.max_times_sampled) return false;
   selector_->Delete(slot);
   return true;
 }
@@ -246,16 +242,15 @@ void ChunkIndex::AddChunks(const StoredChunk& first, int n_step, SampledItems::I
 void ChunkIndex::SetImportance(SampledItems& sampled) const {
   if (options_.sampler != SamplerKind::kPrioritized) return;
   double least = std::numeric_limits<double>::max();
-  for (const auto& item : sampled.items) least = std::min(least, static_cast<double>(item.probability));
+  for (const auto& item : sampled.items) least = std::min<double>(least, item.probability);
   for (auto& item : sampled.items) {
-    item.importance_weight = static_cast<float>(
-        std::pow(least / static_cast<double>(item.probability), options_.importance_exponent));
+    item.importance_weight = std::pow(least / item.probability, options_.importance_exponent);
   }
 }
 
 ChunkIndex::StoredChunk* ChunkIndex::Find(uint64_t key) {
   const uint64_t id = key >> (kChunkBits + kFrameBits);
-  const auto number = static_cast<size_t>(key >> kFrameBits & ((uint64_t{1} << kChunkBits) - 1));
+  const uint64_t number = key >> kFrameBits & ((uint64_t{1} << kChunkBits) - 1);
   const auto found =
       std::lower_bound(segments_.begin(), segments_.end(), id,
                        [](const auto& stored, uint64_t wanted) { return stored->segment->id() < wanted; });
@@ -267,7 +262,7 @@ ChunkIndex::StoredChunk* ChunkIndex::Find(uint64_t key) {
 void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
   if (!std::isfinite(priority) || priority < 0.0) return;
   StoredChunk* chunk = Find(key);
-  const auto frame = static_cast<size_t>(key & ((uint64_t{1} << kFrameBits) - 1));
+  const uint64_t frame = key & ((uint64_t{1} << kFrameBits) - 1);
   if (chunk == nullptr || frame >= chunk->slots().size()) return;
   const uint32_t slot = chunk->slots()[frame];
   if (!StoredChunk::IsItem(slot)) return;
@@ -276,7 +271,7 @@ void ChunkIndex::UpdatePriority(uint64_t key, double priority) {
 }
 
 void ChunkIndex::SetPriority(uint32_t slot, double priority) {
-  items_[slot].priority = static_cast<float>(priority);
+  items_[slot].priority = priority;
   selector_->Update(slot, priority);
   if (remover_) remover_->Update(slot, priority);
 }
@@ -286,7 +281,7 @@ void ChunkIndex::RemoveSurplus(Random& random) {
 }
 
 bool ChunkIndex::TooStale(uint32_t policy_version) const {
-  const auto limit = static_cast<uint32_t>(options_.max_staleness);
+  const uint32_t limit = options_.max_staleness;
   return limit > 0 && newest_version_ > policy_version && newest_version_ - policy_version > limit;
 }
 
@@ -302,10 +297,10 @@ void ChunkIndex::SetNewestVersion(uint32_t version) {
 void ChunkIndex::RemoveStale(StoredChunk& chunk) {
   if (!TooStale(chunk.oldest_version)) return;
   uint32_t oldest_left = std::numeric_limits<uint32_t>::max();
-  for (int frame = 0; frame < chunk.view.frames(); ++frame) {
+  for (uint8_t frame = 0; frame < chunk.view.frames(); ++frame) {
     if ((chunk.view.flags(frame) & kHasDecision) == 0) continue;
     const uint32_t version = chunk.view.policy_version(frame);
-    const uint32_t slot = chunk.slots()[static_cast<size_t>(frame)];
+    const uint32_t slot = chunk.slots()[frame];
     if (!TooStale(version)) {
       oldest_left = std::min(oldest_left, version);
     } else if (StoredChunk::IsItem(slot)) {

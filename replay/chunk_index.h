@@ -26,13 +26,13 @@ class ChunkIndex {
  public:
   struct Options {
     int n_step = 1;  // of the longest slice
-    int stride = 1;
+    uint32_t stride = 1;
     SamplerKind sampler = SamplerKind::kUniform;
     double priority_exponent = 0.6;
     double importance_exponent = 0.4;
-    int max_times_sampled = 0;  // 0: no limit
-    int max_staleness = 0;      // policy versions behind the newest; 0: no limit
-    size_t max_items = 0;       // 0: no limit
+    uint32_t max_times_sampled = 0;  // 0: no limit
+    uint32_t max_staleness = 0;      // policy versions behind the newest; 0: no limit
+    size_t max_items = 0;            // 0: no limit
     SamplerKind remover = SamplerKind::kOldestFirst;
   };
 
@@ -97,7 +97,7 @@ class ChunkIndex {
     std::deque<Item> pending;     // frames whose slices are not complete yet
   };
 
-  static uint64_t KeyOf(const StoredChunk& chunk, int frame);
+  static uint64_t KeyOf(const StoredChunk& chunk, uint32_t frame);
   OpenEpisode& Continue(StoredChunk& chunk);
   void AddFrames(StoredChunk& chunk, OpenEpisode& episode);
   void Release(OpenEpisode& episode, size_t count);

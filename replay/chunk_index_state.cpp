@@ -65,9 +65,9 @@ void ChunkIndex::Restore(const ItemStates& states) {
 void ChunkIndex::RestoreItem(StoredChunk& chunk, size_t frame, float priority, uint32_t times_sampled) {
   const uint32_t slot = chunk.slots()[frame];
   if (!StoredChunk::IsItem(slot) || priority == ItemStates::kNoItem || !std::isfinite(priority)) return;
-  const auto limit = static_cast<uint32_t>(options_.max_times_sampled);
+  const uint32_t limit = options_.max_times_sampled;
   if (priority < 0.0f || (limit > 0 && times_sampled >= limit)) return RemoveItem(slot);
-  SetPriority(slot, static_cast<double>(priority));
+  SetPriority(slot, priority);
   if (limit > 0) samples_left_ -= times_sampled;
   items_[slot].times_sampled = std::min(times_sampled, kMaxTimesSampled);
 }

@@ -29,8 +29,8 @@ bool IsPriority(float value) {
 void ItemStates::Put(ByteWriter& writer) const {
   writer.Put(max_priority);
   writer.Put(newest_version);
-  writer.Put(static_cast<uint64_t>(chunks.size()));
-  writer.Put(static_cast<uint64_t>(priorities.size()));
+  writer.Put<uint64_t>(chunks.size());
+  writer.Put<uint64_t>(priorities.size());
   for (const Chunk& chunk : chunks) {
     writer.Put(chunk.segment);
     writer.Put(chunk.checksum);

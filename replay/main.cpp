@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
@@ -42,7 +43,7 @@ dadrl::Status Run(const std::filesystem::path& config_file, dadrl::ReplayService
   DADRL_ASSIGN_OR_RETURN(options.incarnation, Incarnation(incarnation, options));
   DADRL_RETURN_IF_ERROR(dadrl::LoadYaml(config_file, options.config));
   DADRL_RETURN_IF_ERROR(dadrl::Validate(options.config));
-  if (options.shard >= static_cast<uint32_t>(options.config.replay.shards)) {
+  if (std::cmp_greater_equal(options.shard, options.config.replay.shards)) {
     return dadrl::Fail(dadrl::ErrorCode::kInvalidArgument, "--shard: {} does not exist, replay.shards is {}",
                        options.shard, options.config.replay.shards);
   }

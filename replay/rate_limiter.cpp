@@ -42,7 +42,7 @@ void RateLimiter::Restore(const State& state) {
 
 bool RateLimiter::SamplingOpen(int64_t count) const {
   if (options_.max_samples_per_insert <= 0.0) return true;
-  return state_.sample_credit >= std::min(static_cast<double>(count), MaxCredit());
+  return state_.sample_credit >= std::min<double>(count, MaxCredit());
 }
 
 RateLimiter::Hold RateLimiter::MaySample(int64_t count, int64_t size) {
@@ -60,14 +60,14 @@ bool RateLimiter::MayInsert(int64_t size) const {
 void RateLimiter::OnInsert(int64_t frames) {
   const int64_t before = std::max(state_.inserted, options_.min_size);
   state_.inserted += frames;
-  const auto owing = static_cast<double>(std::max<int64_t>(state_.inserted - before, 0));
+  const double owing = std::max<int64_t>(state_.inserted - before, 0);
   state_.insert_debt += owing * options_.min_samples_per_insert;
-  const double earned = static_cast<double>(frames) * options_.max_samples_per_insert;
+  const double earned = frames * options_.max_samples_per_insert;
   state_.sample_credit = std::min(state_.sample_credit + earned, MaxCredit());
 }
 
 void RateLimiter::OnSample(int64_t count) {
-  const auto samples = static_cast<double>(count);
+  const double samples = count;
   state_.sampled += count;
   if (options_.max_samples_per_insert > 0.0) state_.sample_credit -= samples;
   // Sampling more than was owed is not saved up either.

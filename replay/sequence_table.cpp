@@ -71,7 +71,7 @@ void SequenceTable::Merge(const SequenceTable& other) {
 
 void SequenceTable::Put(ByteWriter& writer) const {
   uint32_t count = 0;
-  for (const auto& [actor, incarnations] : actors_) count += static_cast<uint32_t>(incarnations.size());
+  for (const auto& [actor, incarnations] : actors_) count += incarnations.size();
   writer.Put(count);
   for (const auto& [actor, incarnations] : actors_) {
     for (const auto& [incarnation, stored] : incarnations) {

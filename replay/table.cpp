@@ -17,12 +17,12 @@ constexpr int64_t kMostSegments = 16384;
 ChunkIndex::Options IndexOptions(const TableOptions& options) {
   const ReplayConfig& replay = options.replay;
   return {.n_step = std::max(options.n_step, replay.sequence_length),
-          .stride = replay.sequence_length > 0 ? replay.sequence_period : 1,
+          .stride = static_cast<uint32_t>(replay.sequence_length > 0 ? replay.sequence_period : 1),
           .sampler = options.replay.sampler,
           .priority_exponent = options.replay.priority_exponent,
           .importance_exponent = options.replay.importance_exponent,
-          .max_times_sampled = options.replay.max_times_sampled,
-          .max_staleness = options.replay.max_staleness,
+          .max_times_sampled = static_cast<uint32_t>(options.replay.max_times_sampled),
+          .max_staleness = static_cast<uint32_t>(options.replay.max_staleness),
           .max_items = static_cast<size_t>(options.replay.max_items),
           .remover = options.replay.remover};
 }
@@ -32,10 +32,10 @@ int64_t Samples(const TrajectoryShape& shape) {
   return int64_t{shape.count} * (shape.all_observations ? shape.steps : 1);
 }
 
-uint64_t Decisions(const ChunkView& chunk) {
+int64_t Decisions(const ChunkView& chunk) {
   // Only the last frame may have none.
   const bool final_frame = (chunk.flags(chunk.frames() - 1) & kHasDecision) == 0;
-  return static_cast<uint64_t>(chunk.frames() - (final_frame ? 1 : 0));
+  return chunk.frames() - (final_frame ? 1 : 0);
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ RateLimiter::Options LimiterOptions(const ReplayConfig& replay) {
   return {.min_size = min_size,
           .max_samples_per_insert = replay.samples_per_insert,
           .min_samples_per_insert = replay.min_samples_per_insert,
-          .band = std::max(1.0, replay.samples_per_insert_band * static_cast<double>(min_size))};
+          .band = std::max(1.0, replay.samples_per_insert_band * min_size)};
 }
 
 ReplayTable::ReplayTable(TableOptions options, const Clock& clock)
@@ -71,7 +71,7 @@ Result<std::unique_ptr<ReplayTable>> ReplayTable::Open(TableOptions options, con
 ReplayTable::Insertion ReplayTable::Refuse(ChunkFault fault, const Error& reason, ChunkRefusal* refusal) {
   if (refusal != nullptr) *refusal = {fault, reason.message};
   MutexLock lock(mutex_);
-  if (counters_.rejected_chunks[static_cast<size_t>(fault)]++ == 0) {
+  if (counters_.rejected_chunks[fault]++ == 0) {
     spdlog::warn("refused a chunk (more like it are counted): {}", reason.message);
   }
   return Insertion::kRejected;
@@ -175,7 +175,7 @@ Status ReplayTable::Store(ChunkView chunk) {
     MutexLock lock(mutex_);
     index_.Add(stored.segment, chunk);
     index_.RemoveSurplus(random_);
-    limiter_.OnInsert(static_cast<int64_t>(Decisions(chunk)));
+    limiter_.OnInsert(Decisions(chunk));
     counters_.inserted_bytes += length;
     counters_.lost_chunks += skipped;
   }
@@ -295,7 +295,7 @@ void ReplayTable::UpdatePriorities(std::span<const uint64_t> keys, std::span<con
   MutexLock lock(mutex_);
   for (size_t i = 0; i < std::min(keys.size(), priorities.size()); ++i) {
     if (options_.bounds.AllowsPriority(priorities[i])) {
-      index_.UpdatePriority(keys[i], static_cast<double>(priorities[i]));
+      index_.UpdatePriority(keys[i], priorities[i]);
     } else if (counters_.refused_priorities++ == 0) {
       spdlog::warn("refused the priority {:g} of item {:#x} (more are counted): they are from 0 to {:.4g}",
                    priorities[i], keys[i], options_.bounds.priority);

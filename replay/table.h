@@ -9,7 +9,6 @@
 // resident.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -22,6 +21,7 @@
 
 #include "common/config/config.h"
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "common/util/mutex.h"
 #include "common/util/random.h"
 #include "common/util/result.h"
@@ -78,7 +78,7 @@ class ReplayTable {
     uint64_t inserted_frames = 0;  // with a decision, since the run began
     uint64_t inserted_bytes = 0;   // since this process started, as are the following
     uint64_t duplicate_chunks = 0;
-    std::array<uint64_t, static_cast<size_t>(ChunkFault::kCount)> rejected_chunks{};  // by ChunkFault
+    EnumArray<ChunkFault, uint64_t> rejected_chunks{};
     uint64_t damaged_frames = 0;  // stored once, and unreadable since
     uint64_t lost_chunks = 0;     // skipped: their actors no longer have them
     uint64_t refused_priorities = 0;

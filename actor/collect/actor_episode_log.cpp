@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <tuple>
 
 #include "proto/evaluation/episode_row.h"
 
@@ -24,7 +25,7 @@ uint64_t LastEpisode(const std::filesystem::path& path) {
 
 ActorEpisodeLog ActorEpisodeLog::Open(const std::filesystem::path& path) {
   ActorEpisodeLog log(path, LastEpisode(path));
-  static_cast<void>(log.OpenTable());  // the first row says what is wrong, if it still is
+  std::ignore = log.OpenTable();  // the first row says what is wrong, if it still is
   return log;
 }
 

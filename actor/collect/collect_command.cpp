@@ -194,14 +194,14 @@ Status Actor::CheckLayout() const {
 
 void Actor::FillStatus(ProcessStatus& status) const {
   const CollectorProgress progress = collector_->progress();
-  const auto set = [&](Metric metric, auto value) { status[metric] = static_cast<double>(value); };
+  const auto set = [&](Metric metric, auto value) { status[metric] = value; };
   set(Metric::kEnvSteps, progress.env_steps);
   set(Metric::kDecisions, progress.decisions);
   set(Metric::kEpisodes, progress.episodes);
-  set(Metric::kSuccesses, progress.outcomes[static_cast<size_t>(Outcome::kSuccess)]);
-  set(Metric::kCollisions, progress.outcomes[static_cast<size_t>(Outcome::kCollision)]);
-  set(Metric::kOffRoads, progress.outcomes[static_cast<size_t>(Outcome::kOffRoad)]);
-  set(Metric::kStagnations, progress.outcomes[static_cast<size_t>(Outcome::kStagnation)]);
+  set(Metric::kSuccesses, progress.outcomes[Outcome::kSuccess]);
+  set(Metric::kCollisions, progress.outcomes[Outcome::kCollision]);
+  set(Metric::kOffRoads, progress.outcomes[Outcome::kOffRoad]);
+  set(Metric::kStagnations, progress.outcomes[Outcome::kStagnation]);
   set(Metric::kSimulatorFailures, progress.simulator_failures);
   const ExperienceWriter::Statistics writer = writer_->statistics();
   set(Metric::kBacklogBytes, writer.backlog_bytes);
@@ -210,7 +210,7 @@ void Actor::FillStatus(ProcessStatus& status) const {
   if (progress.policy_version > 0) {
     // A wall clock that was set back must not make a policy come from the future.
     const int64_t age_ns = std::max<int64_t>(0, status.sent_ns - weights_->published_ns());
-    set(Metric::kPolicyAgeS, static_cast<double>(age_ns) / 1e9);
+    set(Metric::kPolicyAgeS, age_ns / 1e9);
   }
 }
 

@@ -50,7 +50,7 @@ Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
     const EpisodeSummary& summary = parts_.environment.summary();
     MutexLock lock(mutex_);
     ++progress_.episodes;
-    ++progress_.outcomes[static_cast<size_t>(summary.outcome)];
+    ++progress_.outcomes[summary.outcome];
     progress_.env_steps = steps_before_ + static_cast<uint64_t>(summary.steps);
     return CollectedEpisode{episode_, summary, version_};
   }

@@ -1,7 +1,6 @@
 // The collecting loop: drive an episode with the newest policy, hand its frames to the sink.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "common/config/config.h"
 #include "common/model/policy_model.h"
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "common/util/mutex.h"
 #include "common/util/random.h"
 #include "common/util/time_ledger.h"
@@ -26,10 +26,10 @@ struct CollectorProgress {
   uint64_t env_steps = 0;  // simulation steps
   uint64_t decisions = 0;
   uint64_t episodes = 0;
-  std::array<uint64_t, 4> outcomes{};  // by Outcome
-  uint64_t simulator_failures = 0;     // episodes lost to the simulator
-  uint64_t refused_policies = 0;       // that arrived but could not be loaded
-  uint32_t policy_version = 0;         // in use, now; 0: acting at random
+  EnumArray<Outcome, uint64_t, kOutcomes> outcomes{};
+  uint64_t simulator_failures = 0;  // episodes lost to the simulator
+  uint64_t refused_policies = 0;    // that arrived but could not be loaded
+  uint32_t policy_version = 0;      // in use, now; 0: acting at random
 };
 
 // A finished episode.

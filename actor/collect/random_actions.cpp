@@ -7,8 +7,8 @@ namespace dadrl {
 
 Action RandomActions::Next(Random& random) {
   if (left_ == 0) {
-    for (float& element : action_) element = static_cast<float>(random.Uniform(-1.0, 1.0));
-    left_ = std::max(1, static_cast<int>(std::lround(random.Uniform() / decision_s_)));
+    for (float& element : action_) element = random.Uniform(-1.0, 1.0);
+    left_ = std::max<int>(1, std::lround(random.Uniform() / decision_s_));
   }
   --left_;
   return action_;

@@ -51,7 +51,7 @@ EgoCommand EgoController::Control(const EgoState& ego, double target_speed_mps, 
   Localize(ego, lane_command);
   const int before = followed_;
   followed_ = Neighbour(ego, lane_command);
-  const Polyline::Projection& projection = projections_[static_cast<size_t>(followed_)];
+  const Polyline::Projection& projection = projections_.data()[followed_];
   if (followed_ != before && projection.distance > kChangeBegins) changing_lane_ = true;
   if (projection.distance < kChangeEnds) changing_lane_ = false;
   return {std::min(target_speed_mps, CurveSpeed(ego, projection)), Steer(ego, projection)};
@@ -70,7 +70,7 @@ void EgoController::Localize(const EgoState& ego, int lane_command) {
   for (size_t i = 0; i < paths_->size(); ++i) {
     if (projections_[i].distance >= nearest || !Drivable(ego, i)) continue;
     nearest = projections_[i].distance;
-    current_ = static_cast<int>(i);
+    current_ = i;
   }
 }
 
@@ -87,10 +87,10 @@ int EgoController::Neighbour(const EgoState& ego, int lane_command) const {
   for (size_t i = 0; lane_command != 0 && i < paths_->size(); ++i) {
     if (!Drivable(ego, i)) continue;
     const auto metre = static_cast<size_t>(projections_[i].s);
-    const double side = lane_command * sides_->At(static_cast<int>(i), current_, metre);
+    const double side = lane_command * sides_->At(i, current_, metre);
     if (side > 0.0 && side < best_side) {
       best_side = side;
-      best = static_cast<int>(i);
+      best = i;
     }
   }
   return best;
@@ -117,7 +117,7 @@ double EgoController::CurveSpeed(const EgoState& ego, const Polyline::Projection
   double limit = std::numeric_limits<double>::infinity();
   const auto last = static_cast<size_t>(projection.s + horizon);
   for (auto i = static_cast<size_t>(projection.s); i <= last && i < caps.size(); ++i) {
-    const double distance = std::max(0.0, static_cast<double>(i) - projection.s - lag_distance);
+    const double distance = std::max(0.0, i - projection.s - lag_distance);
     limit = std::min(limit, std::sqrt(caps[i] * caps[i] + 2.0 * kCurveBraking * distance));
   }
   return limit;

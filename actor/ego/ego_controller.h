@@ -33,8 +33,8 @@ class EgoController {
   EgoCommand Control(const EgoState& ego, double target_speed_mps, int lane_command);
 
   // The path the ego is on, and the one it steers along; they differ during a lane change.
-  const Path& current_path() const { return (*paths_)[static_cast<size_t>(current_)]; }
-  const Path& followed_path() const { return (*paths_)[static_cast<size_t>(followed_)]; }
+  const Path& current_path() const { return paths_->data()[current_]; }
+  const Path& followed_path() const { return paths_->data()[followed_]; }
   const std::vector<Path>& paths() const { return *paths_; }
 
  private:

@@ -40,7 +40,6 @@ class SequenceFinder {
     double off_route_m = 0.0;  // since it left the route
   };
 
-  const Lane& LaneAt(int lane) const { return map_.lanes()[static_cast<size_t>(lane)]; }
   bool OnRoute(const Way& way) const {
     return std::ranges::all_of(way, [&](int lane) { return route_.OnRoute(lane); });
   }
@@ -91,7 +90,7 @@ void SequenceFinder::FollowToEnd(Partial partial, std::vector<Partial>& open) {
 void SequenceFinder::Append(const Way& way, Partial& partial) const {
   const bool on_route = partial.off_route_m == 0.0 && OnRoute(way);
   partial.lanes.insert(partial.lanes.end(), way.begin(), way.end());
-  if (!on_route) partial.off_route_m += LaneAt(way.back()).centre.length();
+  if (!on_route) partial.off_route_m += map_.lane(way.back()).centre.length();
 }
 
 std::vector<Way> SequenceFinder::NextWays(const Partial& partial) {
@@ -111,10 +110,10 @@ std::vector<Way> SequenceFinder::NextWays(const Partial& partial) {
 
 void SequenceFinder::KeepStraightest(int from, std::vector<Way>& ways) const {
   if (ways.size() < 2) return;
-  const Polyline& centre = LaneAt(from).centre;
+  const Polyline& centre = map_.lane(from).centre;
   const double heading = centre.HeadingAt(centre.length());
   const auto turn = [&](const Way& way) {
-    return std::abs(WrapAngle(LaneAt(way.back()).centre.HeadingAt(0.0) - heading));
+    return std::abs(WrapAngle(map_.lane(way.back()).centre.HeadingAt(0.0) - heading));
   };
   const auto straightest = std::ranges::min_element(ways, {}, turn);
   ways = {std::move(*straightest)};
@@ -123,8 +122,8 @@ void SequenceFinder::KeepStraightest(int from, std::vector<Way>& ways) const {
 size_t SequenceFinder::BeginOfBranch(const Partial& partial) const {
   double common = 0.0;
   size_t first = partial.lanes.size();
-  while (first > partial.first && (common < kCommonMetres || LaneAt(partial.lanes[first]).internal)) {
-    common += LaneAt(partial.lanes[--first]).centre.length();
+  while (first > partial.first && (common < kCommonMetres || map_.lane(partial.lanes[first]).internal)) {
+    common += map_.lane(partial.lanes[--first]).centre.length();
   }
   return first;
 }
@@ -135,8 +134,8 @@ void SequenceFinder::Emit(const Partial& partial) {
   bool left = false;
   for (const int lane : partial.lanes) {
     covered_[static_cast<size_t>(lane)] = true;
-    if (LaneAt(lane).internal || left) continue;
-    edges_.insert(LaneAt(lane).edge);
+    if (map_.lane(lane).internal || left) continue;
+    edges_.insert(map_.lane(lane).edge);
     left = !route_.OnRoute(lane);
   }
 }

@@ -23,15 +23,14 @@ constexpr size_t kForkLookahead = 24;
 constexpr double kForkOffset = 0.5;
 constexpr double kNoCap = std::numeric_limits<double>::infinity();
 
-const Lane& LaneAt(const RoadMap& map, int lane) { return map.lanes()[static_cast<size_t>(lane)]; }
-
 // Lowers the caps from metre `low` to metre `high` to what the turn between them allows.
 void CapTurn(const Polyline& line, int low, int high, std::vector<double>& caps) {
   const double turn = std::abs(WrapAngle(line.HeadingAt(high) - line.HeadingAt(low)));
   if (turn * kWideRadius <= high - low) return;
   const double cap = turn * kTightRadius > high - low ? kTightSpeed : kWideSpeed;
   for (int i = low; i <= high; ++i) {
-    caps[static_cast<size_t>(i)] = std::min(caps[static_cast<size_t>(i)], cap);
+    double& at = caps.data()[i];
+    at = std::min(at, cap);
   }
 }
 
@@ -42,8 +41,8 @@ std::vector<double> SpeedCaps(const RoadMap& map, const std::vector<int>& lanes,
     CapTurn(line, std::max(0, s - kCurveWindow), std::min(last, s + kCurveWindow), caps);
   }
   for (const int lane : lanes) {
-    if (!LaneAt(map, lane).internal) continue;
-    const std::vector<Point>& centre = LaneAt(map, lane).centre.points();
+    if (!map.lane(lane).internal) continue;
+    const std::vector<Point>& centre = map.lane(lane).centre.points();
     CapTurn(line, static_cast<int>(line.Project(centre.front()).s),
             std::min(last, static_cast<int>(std::ceil(line.Project(centre.back()).s))), caps);
   }
@@ -53,7 +52,7 @@ std::vector<double> SpeedCaps(const RoadMap& map, const std::vector<int>& lanes,
 Path MakePath(const RoadMap& map, LaneSequence lanes) {
   std::vector<Point> points;
   for (const int lane : lanes) {
-    const std::vector<Point>& centre = LaneAt(map, lane).centre.points();
+    const std::vector<Point>& centre = map.lane(lane).centre.points();
     points.insert(points.end(), centre.begin(), centre.end());
   }
   Path path{std::move(lanes), SmoothLine(Polyline(points)), {}};
@@ -63,7 +62,7 @@ Path MakePath(const RoadMap& map, LaneSequence lanes) {
 
 // How far metre `metre` of `path` is to the left of `other`.
 double Offset(const Path& path, const Path& other, size_t metre) {
-  return other.centre.Project(path.centre.At(static_cast<double>(metre))).lateral;
+  return other.centre.Project(path.centre.At(metre)).lateral;
 }
 
 }  // namespace
@@ -82,15 +81,15 @@ int PathOfRoute(const std::vector<Path>& paths, const Route& route) {
   };
   const auto best = std::max_element(paths.begin(), paths.end(),
                                      [&](const Path& a, const Path& b) { return common(a) < common(b); });
-  return static_cast<int>(best - paths.begin());
+  return best - paths.begin();
 }
 
 PathSides::PathSides(const std::vector<Path>& paths) : paths_(paths), sides_(paths.size() * paths.size()) {}
 
 double PathSides::At(int path, int other, size_t metre) {
-  const Path& from = paths_[static_cast<size_t>(path)];
-  const Path& to = paths_[static_cast<size_t>(other)];
-  std::vector<double>& sides = sides_[static_cast<size_t>(path) * paths_.size() + static_cast<size_t>(other)];
+  const Path& from = paths_.data()[path];
+  const Path& to = paths_.data()[other];
+  std::vector<double>& sides = sides_.data()[path * std::ssize(paths_) + other];
   const size_t metres = from.speed_caps.size();
   if (sides.empty()) sides.assign(metres, std::numeric_limits<double>::quiet_NaN());
   double& side = sides[metre];

@@ -50,7 +50,7 @@ Polyline SmoothLine(const Polyline& line) {
     const Point* p = &points[i - 1];
     double knots[4] = {};
     for (int k = 0; k < 3; ++k) knots[k + 1] = knots[k] + std::sqrt(Norm(p[k + 1] - p[k]));
-    const int steps = std::max(1, static_cast<int>(std::lround(Norm(p[2] - p[1]) / kSpacing)));
+    const int steps = std::max<int>(1, std::lround(Norm(p[2] - p[1]) / kSpacing));
     for (int step = 0; step < steps; ++step) {
       const double t = knots[1] + (knots[2] - knots[1]) * step / steps;
       smooth.push_back(CatmullRom(p, knots, t));

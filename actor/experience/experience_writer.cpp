@@ -5,6 +5,7 @@
 
 #include "common/util/log.h"
 #include "common/util/shown.h"
+#include "proto/borrowed_sequence.h"
 
 namespace dadrl {
 namespace {
@@ -208,8 +209,7 @@ void ExperienceWriter::SendOrWait() {
   message.incarnation = incarnation_;
   message.chunk_sequence = chunk->sequence;
   message.oldest_kept = backlog_.oldest_kept();
-  message.bytes._buffer = reinterpret_cast<uint8_t*>(const_cast<std::byte*>(chunk->bytes.data()));
-  message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(chunk->bytes.size());
+  Borrow(chunk->bytes, message.bytes);
   const Status sent = chunks_->Write(message);
   if (sent) {
     backlog_.OnSent(clock_.Now());

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <tuple>
+
 #include "common/util/shown.h"
 
 namespace dadrl {
@@ -85,7 +87,7 @@ void LeaseHolder::Ask(bool leaving) {
   // Cut where the name is longer.
   ::gethostname(message.host, sizeof(message.host) - 1);
   // What is not sent is repeated.
-  static_cast<void>(requests_->Write(message));
+  std::ignore = requests_->Write(message);
 }
 
 std::optional<dadrl_idl_LeaseAnswer> LeaseHolder::Hear() {

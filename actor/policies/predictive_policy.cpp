@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "actor/policies/scripted_policies.h"
 #include "actor/task/collision.h"
@@ -25,7 +26,7 @@ bool Follows(const Pose& ego, const Pose& other) {
 }  // namespace
 
 void PredictivePolicy::BeginEpisode(uint64_t seed) {
-  static_cast<void>(seed);
+  std::ignore = seed;
   scenes_ = 0;
 }
 

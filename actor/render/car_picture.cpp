@@ -47,7 +47,7 @@ std::string BodyColour(double weight) {
   const double share = std::sqrt(std::clamp(weight, 0.0, 1.0));
   std::array<int, 3> mixed{};
   for (size_t i = 0; i < mixed.size(); ++i) {
-    mixed[i] = static_cast<int>(std::lround(kPlain[i] + share * (kAttended[i] - kPlain[i])));
+    mixed[i] = std::lround(kPlain[i] + share * (kAttended[i] - kPlain[i]));
   }
   return fmt::format("#{:02x}{:02x}{:02x}", mixed[0], mixed[1], mixed[2]);
 }

@@ -130,7 +130,7 @@ void AddDigits(Node parent, const Film& film, Point at, double font_size, const 
       glyphs.emplace_back(1, number[column]);
       offsets.push_back(svg::Number(-static_cast<double>(place) * kRollLine * font_size));
     }
-    const double left = at.x - static_cast<double>(length - column) * advance;
+    const double left = at.x - (length - column) * advance;
     if (IsConstant(glyphs)) {
       if (glyphs.front() == " ") continue;
       svg::AddText(group, {left + advance / 2, at.y}, glyphs.front(), {{"text-anchor", "middle"}});

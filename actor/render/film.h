@@ -26,7 +26,7 @@ class Film {
   // When moment i is shown, seconds after the first.
   double StartOf(size_t i) const { return (moments_[i] - moments_.front()) * kStepSeconds; }
   // True when the episode's last moment is the last one shown.
-  bool shows_end() const { return moments_.back() + 1 == static_cast<int>(recording_.moments.size()); }
+  bool shows_end() const { return moments_.back() + 1 == std::ssize(recording_.moments); }
 
  private:
   const Recording& recording_;

@@ -117,11 +117,11 @@ std::string AnimatedPicture(const Recording& recording, int first, int last, int
 std::vector<int> KeyMoments(const Recording& recording, int first, int last, int count) {
   const Outcome outcome = recording.summary.outcome;
   const bool sudden = (outcome == Outcome::kCollision || outcome == Outcome::kOffRoad) &&
-                      last + 1 == static_cast<int>(recording.moments.size());
+                      last + 1 == std::ssize(recording.moments);
   const double power = sudden ? 2.2 : 1.0;
   std::vector<int> moments;
   for (int i = 0; i < count; ++i) {
-    const double left = static_cast<double>(count - 1 - i) / (count - 1);  // 1 at the first, 0 at the last
+    const double left = (count - 1.0 - i) / (count - 1);  // 1 at the first, 0 at the last
     moments.push_back(last - static_cast<int>(std::lround((last - first) * std::pow(left, power))));
   }
   moments.erase(std::unique(moments.begin(), moments.end()), moments.end());
@@ -136,7 +136,7 @@ std::string StripPicture(const Recording& recording, const std::vector<int>& mom
   constexpr double kCellHeight = kWorldHeight + 40;
   constexpr double kTop = 72;
   constexpr int kColumns = 2;
-  const int rows = (static_cast<int>(moments.size()) + kColumns - 1) / kColumns;
+  const int rows = (std::ssize(moments) + kColumns - 1) / kColumns;
   const double below = kTop + rows * kCellHeight;
   pugi::xml_document document;
   const Node root = BeginPicture(document, recording, 2 * kCellWidth + 3 * kMargin, below + 212);
@@ -154,8 +154,8 @@ std::string StripPicture(const Recording& recording, const std::vector<int>& mom
   for (size_t i = 0; i < moments.size(); ++i) {
     const Film film(recording, {moments[i]});
     const Moment& moment = film[0];
-    const double x = kMargin + static_cast<double>(i % kColumns) * (kCellWidth + kMargin);
-    const double y = kTop + static_cast<double>(i / kColumns) * kCellHeight;
+    const double x = kMargin + (i % kColumns) * (kCellWidth + kMargin);
+    const double y = kTop + (i / kColumns) * kCellHeight;
     const Node cell = svg::Add(root, "g", {{"class", "cell"}, {"transform", svg::Translate({x, y})}});
     const std::string label = fmt::format("{}", i + 1);
     svg::Add(cell, "circle", {{"cx", "10"}, {"cy", "11"}, {"r", "10"}, {"fill", colour::kInk}});

@@ -134,7 +134,7 @@ constexpr double kSpanRow = 14;
 
 void DrawSpans(Node parent, const Recording& recording, const std::vector<SpanRow>& rows, const Axes& axes) {
   double y = axes.plot.bottom() + 32;
-  const int steps = static_cast<int>(recording.moments.size());
+  const int steps = std::ssize(recording.moments);
   for (const SpanRow& row : rows) {
     svg::AddText(parent, {axes.plot.x - 6, y + 4}, row.words,
                  {{"class", "small"}, {"text-anchor", "end"}, {"fill", row.colour}});
@@ -181,7 +181,7 @@ void DrawCursor(Node parent, const Film& film, const Axes& axes) {
 void DrawTimeline(Node parent, const Film& film, const Box& box, const std::vector<TimelineMark>& marks) {
   const Node group = svg::Add(parent, "g", {{"class", "timeline"}});
   const std::vector<SpanRow> rows = RowsInUse(film.recording());
-  const double below = 26 + kSpanRow * static_cast<double>(rows.size());
+  const double below = 26 + kSpanRow * rows.size();
   const Box plot{box.x + 68, box.y + 22, box.width - 68 - 72, box.height - 22 - below};
   const Axes axes = MakeAxes(film.recording(), plot);
   DrawGrid(group, axes);

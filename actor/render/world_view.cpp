@@ -167,7 +167,7 @@ void DrawOutcome(Node viewport, const Film& film, const WorldView& view) {
   const std::string sentence = OutcomeSentence(recording);
   const bool success = recording.summary.outcome == Outcome::kSuccess;
   const double font = view.names ? 22 : 15;
-  const double width = 0.62 * font * static_cast<double>(sentence.size()) + 24;
+  const double width = 0.62 * font * sentence.size() + 24;
   const svg::Box box{(view.box.width - width) / 2, 12, width, font * 1.75};
   const Node banner = svg::Add(viewport, "g", {{"class", "outcome"}});
   svg::AddBox(banner, box, {{"rx", "6"}, {"fill", success ? colour::kGood : colour::kHarm}});

@@ -43,13 +43,13 @@ void BirdsEyeView::DrawDrivable(const Pose& ego, std::span<uint8_t> plane) {
   const Point up = kPixelCells * Forward(ego.heading);
   const Point right{up.y, -up.x};
   GridSquare square;
-  square.step_x = static_cast<int32_t>(std::lround(right.x * kFixedOne));
-  square.step_y = static_cast<int32_t>(std::lround(right.y * kFixedOne));
+  square.step_x = std::lround(right.x * kFixedOne);
+  square.step_y = std::lround(right.y * kFixedOne);
   for (int row = 0; row < kSize; ++row) {
     const Point start = centre + (kSize / 2.0 - row - 0.5) * up + (0.5 - kSize / 2.0) * right;
     // The nearest: they are positive.
-    square.x[static_cast<size_t>(row)] = static_cast<int32_t>(start.x * kFixedOne + 0.5);
-    square.y[static_cast<size_t>(row)] = static_cast<int32_t>(start.y * kFixedOne + 0.5);
+    square.x.data()[row] = start.x * kFixedOne + 0.5;
+    square.y.data()[row] = start.y * kFixedOne + 0.5;
   }
   bitmap->cells.Sample(square, plane);
 }

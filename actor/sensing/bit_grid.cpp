@@ -51,7 +51,7 @@ BitGrid::BitGrid(int width, int height)
     : width_(width),
       height_(height),
       stride_((width + 31) / 32),
-      words_(static_cast<size_t>(stride_) * static_cast<size_t>(height)) {}
+      words_(static_cast<size_t>(stride_ * height)) {}
 
 void BitGrid::Clear() { std::ranges::fill(words_, uint32_t{0}); }
 
@@ -60,18 +60,17 @@ void BitGrid::FillSpan(int row, double left, double right) {
   const int first = FirstCell(std::clamp(left, 0.0, width));
   const int last = LastCell(std::clamp(right, 0.0, width));
   if (first > last) return;
-  const size_t first_word = Index(row, first);
-  const size_t last_word = Index(row, last);
-  const uint32_t first_mask = ~uint32_t{0} << (static_cast<unsigned>(first) % 32U);
-  const uint32_t last_mask = ~uint32_t{0} >> (31U - static_cast<unsigned>(last) % 32U);
+  uint32_t* const first_word = &words_[Index(row, first)];
+  uint32_t* const last_word = &words_[Index(row, last)];
+  const uint32_t first_mask = ~uint32_t{0} << (first % 32);
+  const uint32_t last_mask = ~uint32_t{0} >> (31 - last % 32);
   if (first_word == last_word) {
-    words_[first_word] |= first_mask & last_mask;
+    *first_word |= first_mask & last_mask;
     return;
   }
-  words_[first_word] |= first_mask;
-  std::fill(words_.begin() + static_cast<std::ptrdiff_t>(first_word) + 1,
-            words_.begin() + static_cast<std::ptrdiff_t>(last_word), ~uint32_t{0});
-  words_[last_word] |= last_mask;
+  *first_word |= first_mask;
+  std::fill(first_word + 1, last_word, ~uint32_t{0});
+  *last_word |= last_mask;
 }
 
 void BitGrid::FillStrip(Point a, Point b, double half_width, Ends ends) {
@@ -80,8 +79,8 @@ void BitGrid::FillStrip(Point a, Point b, double half_width, Ends ends) {
   if (length == 0.0 && ends == Ends::kSquare) return;
   const Point u = length > 0.0 ? (1.0 / length) * along : Point{1.0, 0.0};
   // Enough for both kinds of ends.
-  const double low = std::clamp(std::min(a.y, b.y) - half_width, 0.0, static_cast<double>(height_));
-  const double high = std::clamp(std::max(a.y, b.y) + half_width, 0.0, static_cast<double>(height_));
+  const double low = std::clamp<double>(std::min(a.y, b.y) - half_width, 0.0, height_);
+  const double high = std::clamp<double>(std::max(a.y, b.y) + half_width, 0.0, height_);
   for (int row = FirstCell(low); row <= LastCell(high); ++row) {
     const double y = row + 0.5;
     Interval span;
@@ -98,8 +97,8 @@ void BitGrid::FillStrip(Point a, Point b, double half_width, Ends ends) {
 void BitGrid::FillPolygon(std::span<const Point> polygon) {
   if (polygon.size() < 3) return;
   const auto [lowest, highest] = std::ranges::minmax(polygon, {}, &Point::y);
-  const double low = std::clamp(lowest.y, 0.0, static_cast<double>(height_));
-  const double high = std::clamp(highest.y, 0.0, static_cast<double>(height_));
+  const double low = std::clamp<double>(lowest.y, 0.0, height_);
+  const double high = std::clamp<double>(highest.y, 0.0, height_);
   std::vector<double> crossings;
   for (int row = FirstCell(low); row <= LastCell(high); ++row) {
     const double y = row + 0.5;

@@ -21,9 +21,7 @@ class BitGrid {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  bool Get(int row, int column) const {
-    return (words_[Index(row, column)] >> (static_cast<unsigned>(column) % 32U) & 1U) != 0;
-  }
+  bool Get(int row, int column) const { return (words_[Index(row, column)] >> (column % 32) & 1U) != 0; }
   // Row-major, stride_words() words a row, column c is bit c % 32 of word c / 32.
   std::span<const uint32_t> words() const { return words_; }
   int stride_words() const { return stride_; }
@@ -35,9 +33,7 @@ class BitGrid {
   void FillPolygon(std::span<const Point> polygon);
 
  private:
-  size_t Index(int row, int column) const {
-    return static_cast<size_t>(row) * static_cast<size_t>(stride_) + static_cast<size_t>(column) / 32;
-  }
+  size_t Index(int row, int column) const { return static_cast<size_t>(row * stride_ + column / 32); }
   // Cells of `row` whose centre is within [left, right].
   void FillSpan(int row, double left, double right);
 

@@ -20,7 +20,7 @@ namespace {
 constexpr int kTile = 8;  // points a side
 constexpr int kTiles = GridSquare::kSize / kTile;
 constexpr int kBlock = 4;  // cells a side
-constexpr size_t kLineBytes = GridSquare::kSize / 8;
+constexpr int kLineBytes = GridSquare::kSize / 8;
 
 struct Tile {
   const BitGrid& grid;
@@ -32,19 +32,21 @@ struct Tile {
 
 void SampleTileScalar(const Tile& tile) {
   const uint32_t* words = tile.grid.words().data();
-  const auto stride = static_cast<uint32_t>(tile.grid.stride_words());
+  const int stride = tile.grid.stride_words();
+  const GridSquare& square = tile.square;
+  const int32_t* const first_x = square.x.data() + tile.row;
+  const int32_t* const first_y = square.y.data() + tile.row;
   for (int line = 0; line < kTile; ++line) {
-    const auto row = static_cast<size_t>(tile.row + line);
-    auto x = static_cast<uint32_t>(tile.square.x[row] + tile.column * tile.square.step_x);
-    auto y = static_cast<uint32_t>(tile.square.y[row] + tile.column * tile.square.step_y);
+    int32_t x = first_x[line] + tile.column * square.step_x;
+    int32_t y = first_y[line] + tile.column * square.step_y;
     uint32_t bits = 0;
-    for (unsigned i = 0; i < kTile; ++i) {
-      const uint32_t column = x >> 16U;
-      bits |= (words[(y >> 16U) * stride + column / 32] >> (column % 32) & 1U) << i;
-      x += static_cast<uint32_t>(tile.square.step_x);
-      y += static_cast<uint32_t>(tile.square.step_y);
+    for (int i = 0; i < kTile; ++i) {
+      const int column = x >> 16;
+      bits |= (words[(y >> 16) * stride + column / 32] >> (column % 32) & 1U) << i;
+      x += square.step_x;
+      y += square.step_y;
     }
-    tile.out[static_cast<size_t>(line) * kLineBytes] = static_cast<uint8_t>(bits);
+    tile.out[line * kLineBytes] = bits;
   }
 }
 
@@ -60,29 +62,28 @@ __attribute__((target("avx2"))) void SampleTileAvx2(const Tile& tile) {
   const __m256i from_y = _mm256_mullo_epi32(columns, _mm256_set1_epi32(square.step_y));
   const __m256i highest_bit = _mm256_set1_epi32(31);
   for (int line = 0; line < kTile; ++line) {
-    const auto row = static_cast<size_t>(tile.row + line);
-    const __m256i column = _mm256_srli_epi32(_mm256_add_epi32(_mm256_set1_epi32(square.x[row]), from_x), 16);
-    const __m256i grid_row =
-        _mm256_srli_epi32(_mm256_add_epi32(_mm256_set1_epi32(square.y[row]), from_y), 16);
+    const __m256i x = _mm256_add_epi32(_mm256_set1_epi32(square.x.data()[tile.row + line]), from_x);
+    const __m256i y = _mm256_add_epi32(_mm256_set1_epi32(square.y.data()[tile.row + line]), from_y);
+    const __m256i column = _mm256_srli_epi32(x, 16);
+    const __m256i grid_row = _mm256_srli_epi32(y, 16);
     const __m256i index =
         _mm256_add_epi32(_mm256_mullo_epi32(grid_row, stride), _mm256_srli_epi32(column, 5));
     const __m256i word = _mm256_i32gather_epi32(words, index, 4);
     // 31 - column % 32
     const __m256i shift = _mm256_andnot_si256(column, highest_bit);
-    tile.out[static_cast<size_t>(line) * kLineBytes] =
-        static_cast<uint8_t>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_sllv_epi32(word, shift))));
+    tile.out[line * kLineBytes] = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_sllv_epi32(word, shift)));
   }
 }
 #endif
 
 // counts[row * (width + 1) + column]: the cells set above `row` and left of `column`.
 std::vector<int> CountCells(const BitGrid& grid) {
-  const size_t stride = static_cast<size_t>(grid.width()) + 1;
-  std::vector<int> counts(stride * (static_cast<size_t>(grid.height()) + 1));
+  const int stride = grid.width() + 1;
+  std::vector<int> counts(static_cast<size_t>(stride * (grid.height() + 1)));
   for (int row = 0; row < grid.height(); ++row) {
     int in_row = 0;
-    const int* above = &counts[static_cast<size_t>(row) * stride];
-    int* below = &counts[static_cast<size_t>(row + 1) * stride];
+    const int* above = counts.data() + row * stride;
+    int* below = counts.data() + (row + 1) * stride;
     for (int column = 0; column < grid.width(); ++column) {
       in_row += grid.Get(row, column) ? 1 : 0;
       below[column + 1] = above[column + 1] + in_row;
@@ -100,7 +101,7 @@ BitSampler::BitSampler(BitGrid grid, double spacing)
       block_columns_((grid_.width() + kBlock - 1) / kBlock) {
   const std::vector<int> counts = CountCells(grid_);
   const int block_rows = (grid_.height() + kBlock - 1) / kBlock;
-  surroundings_.reserve(static_cast<size_t>(block_rows) * static_cast<size_t>(block_columns_));
+  surroundings_.reserve(static_cast<size_t>(block_rows * block_columns_));
   for (int row = 0; row < block_rows; ++row) {
     for (int column = 0; column < block_columns_; ++column) {
       surroundings_.push_back(SurroundingsOf(row, column, counts));
@@ -114,10 +115,7 @@ BitSampler::Surroundings BitSampler::SurroundingsOf(int block_row, int block_col
   const int left = std::max(0, block_column * kBlock - reach_);
   const int bottom = std::min(grid_.height(), (block_row + 1) * kBlock + reach_);
   const int right = std::min(grid_.width(), (block_column + 1) * kBlock + reach_);
-  const auto count = [&](int row, int column) {
-    return counts[static_cast<size_t>(row) * (static_cast<size_t>(grid_.width()) + 1) +
-                  static_cast<size_t>(column)];
-  };
+  const auto count = [&](int row, int column) { return counts.data()[row * (grid_.width() + 1) + column]; };
   const int set = count(bottom, right) - count(top, right) - count(bottom, left) + count(top, left);
   if (set == 0) return Surroundings::kEmpty;
   return set == (bottom - top) * (right - left) ? Surroundings::kFull : Surroundings::kMixed;
@@ -125,12 +123,12 @@ BitSampler::Surroundings BitSampler::SurroundingsOf(int block_row, int block_col
 
 BitSampler::Surroundings BitSampler::Around(const GridSquare& square, int row, int column) const {
   // Between the tile's innermost points.
-  const auto line = static_cast<size_t>(row + kTile / 2);
+  const int32_t* const x_of = square.x.data() + row + kTile / 2;
+  const int32_t* const y_of = square.y.data() + row + kTile / 2;
   const int32_t steps = 2 * column + kTile - 1;
-  const int32_t x = std::midpoint(square.x[line - 1], square.x[line]) + steps * square.step_x / 2;
-  const int32_t y = std::midpoint(square.y[line - 1], square.y[line]) + steps * square.step_y / 2;
-  return surroundings_[static_cast<size_t>(y / 65536 / kBlock) * static_cast<size_t>(block_columns_) +
-                       static_cast<size_t>(x / 65536 / kBlock)];
+  const int32_t x = std::midpoint(x_of[-1], x_of[0]) + steps * square.step_x / 2;
+  const int32_t y = std::midpoint(y_of[-1], y_of[0]) + steps * square.step_y / 2;
+  return surroundings_.data()[y / 65536 / kBlock * block_columns_ + x / 65536 / kBlock];
 }
 
 // Most tiles are all road or all none: a look at their middle tells.
@@ -138,18 +136,19 @@ template <typename SampleTile>
 void BitSampler::SampleTiles(const GridSquare& square, std::span<uint8_t> out, SampleTile sample_tile) const {
   assert(out.size() == GridSquare::kSize * kLineBytes);
   for (int row = 0; row < GridSquare::kSize; row += kTile) {
-    uint8_t* const lines = out.data() + static_cast<size_t>(row) * kLineBytes;
+    uint8_t* const lines = out.data() + row * kLineBytes;
     std::array<Surroundings, kTiles> around;
     std::array<uint8_t, kLineBytes> plain{};
     for (size_t tile = 0; tile < kTiles; ++tile) {
-      around[tile] = Around(square, row, static_cast<int>(tile) * kTile);
+      around[tile] = Around(square, row, tile * kTile);
       if (around[tile] == Surroundings::kFull) plain[tile] = 0xff;
     }
     for (size_t line = 0; line < kTile; ++line)
       std::memcpy(lines + line * kLineBytes, plain.data(), kLineBytes);
     for (size_t tile = 0; tile < kTiles; ++tile) {
       if (around[tile] != Surroundings::kMixed) continue;
-      sample_tile(Tile{grid_, square, row, static_cast<int>(tile) * kTile, lines + tile});
+      const int column = tile * kTile;
+      sample_tile(Tile{grid_, square, row, column, lines + tile});
     }
   }
 }

@@ -86,8 +86,7 @@ const DrivableArea::Bitmap* DrivableArea::Around(Point point) {
 }
 
 std::unique_ptr<DrivableArea::Bitmap> DrivableArea::DrawSquare(SquareIndex square) const {
-  const Point origin =
-      low_ + Point{static_cast<double>(square.second) * stride_, static_cast<double>(square.first) * stride_};
+  const Point origin = low_ + Point{square.second * stride_, square.first * stride_};
   BitGrid grid(Cells(size_.x), Cells(size_.y));
   DrawLanes(origin, grid);
   std::vector<Point> polygon;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "actor/sensing/features.h"
 #include "common/step/driving_shape.h"
@@ -22,8 +23,8 @@ void WriteMotion(float* row, const LocalFrame& frame, const Pose& pose, double s
   row[0] = 0.0f;
   row[1] = feature::Scaled(local.x, feature::kPosition);
   row[2] = feature::Scaled(local.y, feature::kPosition);
-  row[3] = static_cast<float>(direction.x);
-  row[4] = static_cast<float>(direction.y);
+  row[3] = direction.x;
+  row[4] = direction.y;
   row[5] = feature::Scaled(speed, feature::kSpeed);
   row[6] = feature::Scaled(lane_index, 1.0);
 }
@@ -91,7 +92,7 @@ void History::WriteVehicles(std::span<float> out) {
   assert(count_ > 0 && out.size() == block * static_cast<size_t>(config_.vehicles));
   SelectNearest();
   const LocalFrame frame(At(0)->ego.pose);
-  for (size_t slot = 0; slot < static_cast<size_t>(config_.vehicles); ++slot) {
+  for (size_t slot = 0; std::cmp_less(slot, config_.vehicles); ++slot) {
     float* rows = out.data() + slot * block;
     if (slot < nearest_.size()) {
       WriteVehicleRows(*nearest_[slot].second, frame, rows);
@@ -104,7 +105,7 @@ void History::WriteVehicles(std::span<float> out) {
 }
 
 void History::WriteEgo(Point goal, std::span<float> out) const {
-  assert(count_ > 0 && out.size() == static_cast<size_t>(config_.history * kEgoFeatures));
+  assert(count_ > 0 && std::cmp_equal(out.size(), config_.history * kEgoFeatures));
   const LocalFrame frame(At(0)->ego.pose);
   const Point local_goal = frame.ToLocal(goal);
   for (int row = 0; row < config_.history; ++row) {
@@ -128,7 +129,7 @@ void History::WriteEgo(Point goal, std::span<float> out) const {
     f[16] = feature::Scaled(scene->location.speed_limit, feature::kSpeed);
     f[17] = feature::Scaled(local_goal.x, feature::kGoal);
     f[18] = feature::Scaled(local_goal.y, feature::kGoal);
-    f[19] = static_cast<float>(scene->location.remaining);
+    f[19] = scene->location.remaining;
   }
 }
 

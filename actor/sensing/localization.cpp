@@ -25,7 +25,7 @@ EgoLocation Localizer::Locate(const Pose& ego, double elevation_m) {
   location.remaining = std::clamp(1.0 - route_s_ / centre.length(), 0.0, 1.0);
   location.nearest = map_.NearestLane(ego.position, ego.heading, kLaneSearchRadius, elevation_m);
   if (location.nearest && location.nearest->distance <= kOnLaneDistance) {
-    const Lane& lane = map_.lanes()[static_cast<size_t>(location.nearest->lane)];
+    const Lane& lane = map_.lane(location.nearest->lane);
     location.lane_index = lane.index;
     location.speed_limit = lane.speed_limit;
   }

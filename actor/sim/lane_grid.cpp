@@ -58,7 +58,7 @@ void LaneGrid::BinSegment(int32_t index, Binned& binned) const {
     double low = 0.0;
     double high = segment.span;
     if (std::abs(segment.direction.y) > kRounding) {
-      const double bottom = origin_.y + static_cast<double>(row) * kCellSize;
+      const double bottom = origin_.y + row * kCellSize;
       const double enters = (bottom - kRounding - a.y) / segment.direction.y;
       const double leaves = (bottom + kCellSize + kRounding - a.y) / segment.direction.y;
       low = std::clamp(std::min(enters, leaves), 0.0, segment.span);

@@ -57,8 +57,7 @@ class LaneGrid {
   int64_t Column(double x) const { return CellIndex(x - origin_.x, columns_); }
   int64_t Row(double y) const { return CellIndex(y - origin_.y, rows_); }
   static int64_t CellIndex(double offset, int64_t count) {
-    return static_cast<int64_t>(
-        std::clamp(std::floor(offset / kCellSize), 0.0, static_cast<double>(count - 1)));
+    return static_cast<int64_t>(std::clamp<double>(std::floor(offset / kCellSize), 0.0, count - 1));
   }
   int64_t BlockKey(int64_t row, int64_t column) const {
     return (row / kBlockCells) * (columns_ / kBlockCells + 1) + column / kBlockCells;

@@ -43,9 +43,9 @@ RoadMap::RoadMap(std::vector<Lane> lanes, std::vector<std::vector<Point>> juncti
     : lanes_(std::move(lanes)), junctions_(std::move(junctions)) {
   auto index = std::make_shared<Index>();
   for (size_t i = 0; i < lanes_.size(); ++i) {
-    index->grid.Add(lanes_[i].centre, static_cast<int>(i));
-    index->lane_by_id.emplace(lanes_[i].id, static_cast<int>(i));
-    index->lanes_by_edge[lanes_[i].edge].push_back(static_cast<int>(i));
+    index->grid.Add(lanes_[i].centre, i);
+    index->lane_by_id.emplace(lanes_[i].id, i);
+    index->lanes_by_edge[lanes_[i].edge].push_back(i);
     index->max_off_road_distance =
         std::max(index->max_off_road_distance, lanes_[i].width / 2.0 + kOffRoadMargin);
   }

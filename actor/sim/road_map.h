@@ -40,6 +40,7 @@ class RoadMap {
   RoadMap(std::vector<Lane> lanes, std::vector<std::vector<Point>> junctions);
 
   const std::vector<Lane>& lanes() const { return lanes_; }
+  const Lane& lane(int index) const { return lanes_[static_cast<size_t>(index)]; }
   // Polygons of the junction areas, without closing point.
   const std::vector<std::vector<Point>>& junctions() const { return junctions_; }
   // -1 when there is none.

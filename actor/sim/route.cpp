@@ -9,8 +9,6 @@ namespace {
 constexpr double kLaneChangeMetres = 30.0;
 constexpr double kLaneChangeSpacing = 1.0;
 
-const Lane& LaneAt(const RoadMap& map, int index) { return map.lanes()[static_cast<size_t>(index)]; }
-
 bool SideBySide(const Lane& a, const Lane& b) { return a.edge == b.edge && std::abs(a.index - b.index) == 1; }
 
 struct Line {
@@ -38,7 +36,7 @@ double AppendLaneChange(const Polyline& from, const Polyline& to, double low, Li
   const double span = std::min(kLaneChangeMetres, from.length() - low);
   const int steps = std::max(1, static_cast<int>(span / kLaneChangeSpacing));
   for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
+    const double t = 1.0 * i / steps;
     const Point source = from.At(low + t * span);
     const Point target = to.At(to.Project(source).s);
     line.Append(source + (0.5 - 0.5 * std::cos(std::numbers::pi * t)) * (target - source),
@@ -54,12 +52,12 @@ Result<std::vector<int>> ConnectLanes(const RoadMap& map, const std::vector<std:
   for (const std::string& id : lane_ids) {
     const int lane = map.FindLane(id);
     if (lane < 0) return Fail(ErrorCode::kInvalidArgument, "lane '{}' is not in the network", id);
-    if (!lanes.empty() && !SideBySide(LaneAt(map, lanes.back()), LaneAt(map, lane))) {
+    if (!lanes.empty() && !SideBySide(map.lane(lanes.back()), map.lane(lane))) {
       const auto ways = map.CrossingsFrom(lanes.back());
       const auto way = std::ranges::find_if(ways, [&](const auto& it) { return it.back() == lane; });
       if (way == ways.end()) {
         return Fail(ErrorCode::kInvalidArgument, "no connection leads from lane '{}' to lane '{}'",
-                    LaneAt(map, lanes.back()).id, id);
+                    map.lane(lanes.back()).id, id);
       }
       lanes.insert(lanes.end(), way->begin(), way->end() - 1);
     }
@@ -71,12 +69,12 @@ Result<std::vector<int>> ConnectLanes(const RoadMap& map, const std::vector<std:
 
 Route::Route(const RoadMap& map, std::vector<int> lanes, Point start, Point goal) : lanes_(std::move(lanes)) {
   Line line;
-  double low = LaneAt(map, lanes_.front()).centre.Project(start).s;
+  double low = map.lane(lanes_.front()).centre.Project(start).s;
   for (size_t i = 0; i < lanes_.size(); ++i) {
-    const Lane& lane = LaneAt(map, lanes_[i]);
+    const Lane& lane = map.lane(lanes_[i]);
     const bool last = i + 1 == lanes_.size();
-    if (!last && SideBySide(lane, LaneAt(map, lanes_[i + 1]))) {
-      low = AppendLaneChange(lane.centre, LaneAt(map, lanes_[i + 1]).centre, low, line);
+    if (!last && SideBySide(lane, map.lane(lanes_[i + 1]))) {
+      low = AppendLaneChange(lane.centre, map.lane(lanes_[i + 1]).centre, low, line);
       continue;
     }
     const double high = last ? lane.centre.Project(goal).s : lane.centre.length();
@@ -91,7 +89,7 @@ Route::Route(const RoadMap& map, std::vector<int> lanes, Point start, Point goal
 void Route::MarkLanesOnRoute(const RoadMap& map) {
   std::vector<std::string> edges;
   for (const int lane : lanes_) {
-    const Lane& it = LaneAt(map, lane);
+    const Lane& it = map.lane(lane);
     if (!it.internal && (edges.empty() || edges.back() != it.edge)) edges.push_back(it.edge);
   }
   on_route_.assign(map.lanes().size(), false);
@@ -101,7 +99,7 @@ void Route::MarkLanesOnRoute(const RoadMap& map) {
       on_route_[static_cast<size_t>(lane)] = true;
       if (i + 1 == edges.size()) continue;
       for (const std::vector<int>& way : map.CrossingsFrom(lane)) {
-        if (LaneAt(map, way.back()).edge != edges[i + 1]) continue;
+        if (map.lane(way.back()).edge != edges[i + 1]) continue;
         for (const int inside : way) on_route_[static_cast<size_t>(inside)] = true;
       }
     }

@@ -75,7 +75,7 @@ class Section {
     if (number != static_cast<int>(number)) {
       throw BadScenario(Get(key).line, fmt::format("'{}' is not a whole number", Name(key)));
     }
-    return static_cast<int>(number);
+    return number;
   }
 
   std::vector<std::string> Names(const std::string& key) const {

@@ -50,7 +50,7 @@ struct Scenario {
   ProfileSettings calibrated;
   ProfileSettings plain;
 
-  int population() const { return driver_types * static_cast<int>(flows.size()); }
+  int population() const { return driver_types * std::ssize(flows); }
   const ProfileSettings& profile(TrafficProfile which) const {
     return which == TrafficProfile::kCalibrated ? calibrated : plain;
   }

@@ -67,8 +67,8 @@ Result<ScenarioPlan> Plan(const Scenario& scenario, TrafficProfile profile) {
   RoadMap map = ReadSumoNetwork();
   auto lanes = EgoLanes(map, scenario.ego_lanes);
   if (!lanes) return Fail(ErrorCode::kInvalidArgument, "ego.lanes: {}", lanes.error().message);
-  const Lane& first = map.lanes()[static_cast<size_t>(lanes->front())];
-  const Lane& last = map.lanes()[static_cast<size_t>(lanes->back())];
+  const Lane& first = map.lane(lanes->front());
+  const Lane& last = map.lane(lanes->back());
   if (scenario.ego_start_offset_m > first.centre.length()) {
     return Fail(ErrorCode::kInvalidArgument, "ego.start_offset_m: {} exceeds lane '{}' of {:.2f} m",
                 scenario.ego_start_offset_m, first.id, first.centre.length());
@@ -89,7 +89,7 @@ Result<ScenarioPlan> Plan(const Scenario& scenario, TrafficProfile profile) {
   plan.start_offset_m =
       scenario.ego_start_offset_m * libsumo::Lane::getLength(first.id) / first.centre.length();
   for (const int index : *lanes) {
-    const Lane& lane = map.lanes()[static_cast<size_t>(index)];
+    const Lane& lane = map.lane(index);
     if (lane.internal || (!plan.ego_edges.empty() && plan.ego_edges.back() == lane.edge)) continue;
     plan.ego_edges.push_back(lane.edge);
   }

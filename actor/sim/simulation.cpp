@@ -153,15 +153,15 @@ Status Simulation::Impl::SpawnEgo() {
 }
 
 void Simulation::Impl::AddDrivenEgo() {
-  const Lane& lane = plan_.map.lanes()[static_cast<size_t>(plan_.route.lanes().front())];
+  const Lane& lane = plan_.map.lane(plan_.route.lanes().front());
   traffic_.AddDrivenEgo();
   world_.ego.speed_mps = world_.ego.velocity_lon = std::min(lane.speed_limit, options_.max_speed_mps);
 }
 
 Status Simulation::Impl::AddSumoEgo() {
   const std::vector<int>& lanes = plan_.route.lanes();
-  const Lane& first = plan_.map.lanes()[static_cast<size_t>(lanes.front())];
-  const Lane& last = plan_.map.lanes()[static_cast<size_t>(lanes.back())];
+  const Lane& first = plan_.map.lane(lanes.front());
+  const Lane& last = plan_.map.lane(lanes.back());
   libsumo::Vehicle::add(kEgoId, kEgoId, kEgoId, "now", std::to_string(first.index),
                         fmt::format("{}", plan_.start_offset_m), "max", std::to_string(last.index));
   for (int waited = 0; !traffic_.ego_in_network(); ++waited) {
@@ -215,7 +215,7 @@ void Simulation::Impl::MoveEgo(const EgoState& ego) {
     MoveInSumo(kEgoId, ego.pose, ego.speed_mps);
     return;
   }
-  const Lane& lane = plan_.map.lanes()[static_cast<size_t>(under->lane)];
+  const Lane& lane = plan_.map.lane(under->lane);
   MoveInSumo(kEgoId, ego.pose, ego.speed_mps, lane.edge, lane.index);
   world_.ego.elevation_m = under->elevation;
 }

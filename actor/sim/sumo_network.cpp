@@ -46,7 +46,7 @@ class LaneIndex {
  public:
   void Add(const std::string& id, bool has_length) {
     if (has_length) {
-      index_.emplace(id, static_cast<int>(index_.size()));
+      index_.emplace(id, std::ssize(index_));
     } else {
       points_.push_back(id);
     }

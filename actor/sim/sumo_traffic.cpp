@@ -65,7 +65,7 @@ Status SumoTraffic::Load(uint64_t seed, const EgoTraffic& ego) {
 }
 
 void SumoTraffic::AddDrivenEgo() {
-  const Lane& lane = plan_.map.lanes()[static_cast<size_t>(plan_.route.lanes().front())];
+  const Lane& lane = plan_.map.lane(plan_.route.lanes().front());
   libsumo::Vehicle::add(kEgoId, kEgoId, kEgoId, "now", std::to_string(lane.index), "0", "0");
   // No check of SUMO's may keep the ego from what it is told.
   libsumo::Vehicle::setSpeedMode(kEgoId, 0);
@@ -99,7 +99,7 @@ void SumoTraffic::Enter(const std::string& id) {
   Vehicle& vehicle = vehicles_[index];
   vehicle.in_network = true;
   ++vehicle.trip;
-  if (index < static_cast<size_t>(scenario_.population()) && !true_size_) return;
+  if (std::cmp_less(index, scenario_.population()) && !true_size_) return;
   vehicle.length_m = libsumo::Vehicle::getLength(id);
   vehicle.width_m = libsumo::Vehicle::getWidth(id);
 }
@@ -112,15 +112,15 @@ void SumoTraffic::Leave(const std::string& id) {
   }
   const size_t vehicle = IndexOf(id);
   vehicles_[vehicle].in_network = false;
-  if (vehicle < static_cast<size_t>(scenario_.population())) Reenter(vehicle);
+  if (std::cmp_less(vehicle, scenario_.population())) Reenter(vehicle);
 }
 
 void SumoTraffic::Reenter(size_t vehicle) {
   const size_t types = static_cast<size_t>(scenario_.driver_types);
   const std::vector<int>& lanes = plan_.departure_lanes[vehicle / types];
   const int lane = lanes[loop_random_.Below(lanes.size())];
-  libsumo::Vehicle::add(vehicles_[vehicle].id, FlowId(static_cast<int>(vehicle / types)),
-                        TypeId(static_cast<int>(vehicle % types)), "now", std::to_string(lane), "0", "0");
+  libsumo::Vehicle::add(vehicles_[vehicle].id, FlowId(vehicle / types), TypeId(vehicle % types), "now",
+                        std::to_string(lane), "0", "0");
 }
 
 Status SumoTraffic::Read(std::vector<SocialVehicle>& vehicles) const {

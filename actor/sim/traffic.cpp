@@ -138,12 +138,11 @@ std::string TrafficXml(const Scenario& scenario, const ProfileSettings& profile,
                        const EgoTraffic& ego) {
   std::string xml = "<routes>\n";
   for (size_t type = 0; type < types.size(); ++type) {
-    AppendType(xml, static_cast<int>(type), types[type], profile);
+    AppendType(xml, type, types[type], profile);
   }
   AppendEgo(xml, ego);
   for (size_t flow = 0; flow < scenario.flows.size(); ++flow) {
-    fmt::format_to(std::back_inserter(xml), "<route id=\"{}\" edges=\"{}\"/>\n",
-                   FlowId(static_cast<int>(flow)),
+    fmt::format_to(std::back_inserter(xml), "<route id=\"{}\" edges=\"{}\"/>\n", FlowId(flow),
                    Escaped(fmt::format("{}", fmt::join(scenario.flows[flow].edges, " "))));
   }
   for (int vehicle = 0; vehicle < scenario.population(); ++vehicle) {

@@ -51,7 +51,7 @@ Point ContactPoint(const Pose& ego, const OrientedBox& other) {
   }
   Point sum;
   for (const Point p : shared) sum = sum + p;
-  return (1.0 / static_cast<double>(std::max<size_t>(shared.size(), 1))) * sum;
+  return (1.0 / (std::max<size_t>(shared.size(), 1))) * sum;
 }
 
 // The side of the ego's box that the point is nearest to, seen from the middle.
@@ -76,8 +76,7 @@ const SocialVehicle* NearestTouched(const WorldState& world) {
 }
 
 bool LeavesItsLane(const Pose& vehicle, const std::optional<LanePosition>& nearest, const RoadMap& map) {
-  return nearest && !map.lanes()[static_cast<size_t>(nearest->lane)].internal &&
-         nearest->distance > kLaneKeepingOffset &&
+  return nearest && !map.lane(nearest->lane).internal && nearest->distance > kLaneKeepingOffset &&
          std::abs(WrapAngle(vehicle.heading - nearest->heading)) < kAlong;
 }
 
@@ -97,7 +96,7 @@ std::optional<CollisionSummary> DescribeCollision(const WorldState& world, const
   collision.ego_speed_mps = world.ego.speed_mps;
   collision.other_speed_mps = other->speed_mps;
   collision.relative_heading_rad = WrapAngle(other->pose.heading - ego.heading);
-  collision.junction = location.nearest && map.lanes()[static_cast<size_t>(location.nearest->lane)].internal;
+  collision.junction = location.nearest && map.lane(location.nearest->lane).internal;
   collision.lane_changer = ego_leaves ? (other_leaves ? LaneChanger::kBoth : LaneChanger::kEgo)
                                       : (other_leaves ? LaneChanger::kOther : LaneChanger::kNobody);
   return collision;

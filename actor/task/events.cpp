@@ -22,7 +22,7 @@ bool LeadsToRoute(const RoadMap& map, const Route& route, int lane) {
 
 EventDetector::EventDetector(const RoadMap& map, const Route& route) : map_(map), route_(route) {
   for (size_t lane = 0; lane < map.lanes().size(); ++lane) {
-    leads_to_route_.push_back(LeadsToRoute(map, route, static_cast<int>(lane)));
+    leads_to_route_.push_back(LeadsToRoute(map, route, lane));
   }
 }
 
@@ -38,23 +38,23 @@ Events EventDetector::Detect(const WorldState& world, const EgoLocation& locatio
 
 bool EventDetector::WrongWay(const Pose& ego, const EgoLocation& location) const {
   if (!location.nearest) return false;
-  if (map_.lanes()[static_cast<size_t>(location.nearest->lane)].internal) return false;
+  if (map_.lane(location.nearest->lane).internal) return false;
   return std::abs(WrapAngle(ego.heading - location.nearest->heading)) > std::numbers::pi / 2;
 }
 
 bool EventDetector::OffRoute(const EgoLocation& location, bool wrong_way) const {
   if (!location.nearest) return true;
   const int lane = location.nearest->lane;
-  if (map_.lanes()[static_cast<size_t>(lane)].internal || route_.OnRoute(lane)) return false;
+  if (map_.lane(lane).internal || route_.OnRoute(lane)) return false;
   if (OncomingPartner(*location.nearest)) return false;
   return wrong_way || !leads_to_route_[static_cast<size_t>(lane)];
 }
 
 bool EventDetector::OncomingPartner(const LanePosition& position) const {
-  const Point here = map_.lanes()[static_cast<size_t>(position.lane)].centre.At(position.s);
+  const Point here = map_.lane(position.lane).centre.At(position.s);
   for (size_t i = 0; i < map_.lanes().size(); ++i) {
     const Lane& lane = map_.lanes()[i];
-    if (lane.internal || !route_.OnRoute(static_cast<int>(i))) continue;
+    if (lane.internal || !route_.OnRoute(i)) continue;
     const Polyline::Projection projection = lane.centre.Project(here);
     const double turn = std::abs(WrapAngle(lane.centre.HeadingAt(projection.s) - position.heading));
     if (projection.distance <= kOncomingLaneWidths * lane.width && turn > kOncomingAngle) return true;

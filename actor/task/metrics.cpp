@@ -40,7 +40,7 @@ double JerkCost(const EgoState& ego) {
 
 double LaneOffsetCost(const EgoLocation& location, const RoadMap& map) {
   if (location.lane_index < 0) return 0.0;
-  const double half_width = map.lanes()[static_cast<size_t>(location.nearest->lane)].width / 2;
+  const double half_width = map.lane(location.nearest->lane).width / 2;
   const double offset = location.nearest->distance / half_width;
   return std::min(offset * offset, 1.0);
 }
@@ -71,7 +71,7 @@ void EpisodeMetrics::Finish(int max_steps, EpisodeSummary& summary) const {
   summary.rule_violation = (sums_.speeding + sums_.wrong_way) / steps / 2;
   const bool success = summary.outcome == Outcome::kSuccess;
   summary.distance_to_destination = success ? 0.0 : std::clamp(1.0 - summary.progress, 0.0, 1.0);
-  summary.time_cost = success ? std::min(1.0, static_cast<double>(summary.steps) / max_steps) : 1.0;
+  summary.time_cost = success ? std::min(1.0, 1.0 * summary.steps / max_steps) : 1.0;
   summary.overall_score = 1.0 - (summary.distance_to_destination + summary.time_cost +
                                  summary.humanness_error + summary.rule_violation) /
                                     4;

@@ -21,7 +21,7 @@ double RewardFunction::SpeedTerm(double speed_mps, double limit, bool astray) co
 }
 
 RewardTerms RewardFunction::Step(double speed_mps, const EgoLocation& location, const Events& events) {
-  static const int slow_period = static_cast<int>(std::lround(kSlowSeconds / kStepSeconds));
+  static const int slow_period = std::lround(kSlowSeconds / kStepSeconds);
   RewardTerms terms;
   if (events.collision) {
     terms.crash = weights_.crash;

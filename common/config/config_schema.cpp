@@ -203,7 +203,7 @@ Status AssignNumber(const ConfigField& field, std::string_view text, Number* tar
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool parsed = error == std::errc() && end == text.data() + text.size();
-  const double as_double = static_cast<double>(value);
+  const double as_double = value;
   if (!parsed || !(as_double >= field.min && as_double <= field.max)) {
     return Fail(ErrorCode::kInvalidArgument, "{}: '{}' is not {} between {:g} and {:g}{}{}", field.key,
                 Shown(text), std::is_integral_v<Number> ? "a whole number" : "a number", field.min, field.max,

@@ -148,7 +148,7 @@ bool DdsReader::Wait(Duration timeout) {
       dds_waitset_wait(waitset_, triggered.data(), triggered.size(), std::max<int64_t>(timeout.count(), 0));
   bool woken = false;
   dds_take_guardcondition(guard_, &woken);
-  const auto end = triggered.begin() + std::clamp<int>(count, 0, static_cast<int>(triggered.size()));
+  const auto end = triggered.begin() + std::clamp<int>(count, 0, std::ssize(triggered));
   return std::find(triggered.begin(), end, condition_) != end;
 }
 

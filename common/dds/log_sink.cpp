@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "common/util/log.h"
@@ -61,7 +62,7 @@ void InstallLogSink() {
         created);
     return created;
   }();
-  static_cast<void>(sink);
+  std::ignore = sink;
 }
 
 }  // namespace dadrl::dds

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include <cstdlib>
+#include <tuple>
 #include <utility>
 
 #include "common/dds/address.h"
@@ -108,7 +109,7 @@ void NoticeIgnoredEnvironment() {
     }
     return true;
   }();
-  static_cast<void>(noticed);
+  std::ignore = noticed;
 }
 
 }  // namespace
@@ -130,7 +131,7 @@ Result<std::unique_ptr<Node>> Node::Create(const ClusterConfig& config, int repl
     if (IsService(role)) {
       DADRL_RETURN_IF_ERROR(CheckPortsFree(cluster, PlaceOf(role, index, replay_shards), plane));
     }
-    DADRL_RETURN_IF_ERROR(node->planes_[static_cast<size_t>(plane)].Open(
+    DADRL_RETURN_IF_ERROR(node->planes_[plane].Open(
         DomainXml(cluster, replay_shards, role, index, plane, place), place.address));
   }
   return node;

@@ -18,6 +18,7 @@
 
 #include "common/config/config.h"
 #include "common/port/port.h"
+#include "common/util/enum_array.h"
 #include "common/util/result.h"
 
 namespace dadrl::dds {
@@ -81,7 +82,7 @@ class Node final : public Transport {
   Result<std::unique_ptr<ReaderPort>> OpenReader(const TopicSpec& topic) const override;
 
   // 0 in a plane that the role does not use.
-  dds_entity_t participant(Plane plane) const { return planes_[static_cast<size_t>(plane)].participant; }
+  dds_entity_t participant(Plane plane) const { return planes_[plane].participant; }
   // kUnavailable when this machine no longer has the node's address and reaches the cluster from another:
   // only a new node is heard then.
   Status CheckAddress() const;
@@ -97,7 +98,7 @@ class Node final : public Transport {
   Node(const ClusterConfig& cluster, std::string address)
       : host_(cluster.host), address_(std::move(address)) {}
 
-  std::array<Domain, kPlanes.size()> planes_{};
+  EnumArray<Plane, Domain, kPlanes.size()> planes_{};
   std::string host_;     // the cluster's, in dotted form
   std::string address_;  // this node's
 };

@@ -26,7 +26,7 @@ class ByteWriter {
   void PutBytes(std::span<const std::byte> bytes);
   // u32 length, then the bytes.
   void PutText(std::string_view text) {
-    Put(static_cast<uint32_t>(text.size()));
+    Put<uint32_t>(text.size());
     PutBytes(std::as_bytes(std::span(text)));
   }
 

@@ -65,7 +65,7 @@ const Json* JsonFields::Find(const char* key) const {
   return found == object_.end() ? nullptr : &*found;
 }
 
-uint64_t JsonFields::Whole(const char* key, uint64_t max) {
+uint64_t JsonFields::Unsigned(const char* key, uint64_t max) {
   const Json* const value = Find(key);
   if (value == nullptr || !value->is_number_unsigned() || value->get<uint64_t>() > max) Refuse(key);
   return ok() ? value->get<uint64_t>() : 0;

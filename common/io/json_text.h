@@ -3,6 +3,7 @@
 // all that they have.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,7 +26,11 @@ class JsonFields {
  public:
   explicit JsonFields(const nlohmann::ordered_json& object) : object_(object) {}
 
-  uint64_t Whole(const char* key, uint64_t max);
+  // From 0 to `max`.
+  template <std::integral T>
+  T Whole(const char* key, T max) {
+    return static_cast<T>(Unsigned(key, static_cast<uint64_t>(max)));
+  }
   double Number(const char* key, double min, double max);  // JSON has no NaN and no infinity
   bool Boolean(const char* key);
   std::string Text(const char* key, size_t most_bytes);
@@ -40,6 +45,8 @@ class JsonFields {
   const std::string& bad() const { return bad_; }
 
  private:
+  uint64_t Unsigned(const char* key, uint64_t max);
+
   const nlohmann::ordered_json& object_;
   std::string bad_;
 };

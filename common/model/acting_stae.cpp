@@ -46,8 +46,9 @@ ActingStae::ActingStae(nn::Arena& arena, const DrivingShape& spec)
       value_(arena, kUnits, kUnits),
       output_(arena, kUnits, kUnits),
       joined_output_(arena, kEgo + kUnits, Stae::kFeatures) {
-  present_.reserve(static_cast<size_t>(spec.vehicles));
-  const size_t rows = nn::RoundUp(size_t{1} + static_cast<size_t>(spec.vehicles), kRows);
+  const auto vehicles = static_cast<size_t>(spec.vehicles);
+  present_.reserve(vehicles);
+  const size_t rows = nn::RoundUp(1 + vehicles, kRows);
   joined_input_ = arena.Allocate(rows * kPadded);
   gates_ = arena.Allocate(rows * kGates);
   cell_ = arena.Allocate(rows * kPadded);
@@ -58,19 +59,20 @@ ActingStae::ActingStae(nn::Arena& arena, const DrivingShape& spec)
 }
 
 void ActingStae::Pack(const Stae& stae, const float* parameters) {
+  const float* const hidden_weights = parameters + stae.lstm.weight_hh;
+  const float* const input_weights = parameters + stae.lstm.weight_ih;
+  const float* const bias = parameters + stae.lstm.bias;
   for (int gate = 0; gate < 4; ++gate) {
     for (int j = 0; j < kUnits; ++j) {
       const int from = gate * kUnits + j;
       const int to = gate * kPadded + j;
       for (int k = 0; k < kUnits; ++k) {
-        recurrent_[k * kGates + to] =
-            parameters[stae.lstm.weight_hh + static_cast<size_t>(from * kUnits + k)];
+        recurrent_[k * kGates + to] = hidden_weights[from * kUnits + k];
       }
       for (int k = 0; k < kInputs; ++k) {
-        recurrent_[(kUnits + k) * kGates + to] =
-            parameters[stae.lstm.weight_ih + static_cast<size_t>(from * kInputs + k)];
+        recurrent_[(kUnits + k) * kGates + to] = input_weights[from * kInputs + k];
       }
-      gate_bias_[to] = parameters[stae.lstm.bias + static_cast<size_t>(from)];
+      gate_bias_[to] = bias[from];
     }
   }
   const nn::Attention& attention = stae.attention;
@@ -102,14 +104,14 @@ void ActingStae::Encode(const nn::LaneKernels& kernels, const Observation& obser
     const float absent = vehicles[(v + 1) * vehicle - kInputs];
     if (!(absent > 0.5f)) present_.push_back(v);
   }
-  sequences_ = 1 + static_cast<int>(present_.size());
-  const int rows = static_cast<int>(nn::RoundUp(static_cast<size_t>(sequences_), kRows));
+  sequences_ = 1 + std::ssize(present_);
+  const int rows = (sequences_ + kRows - 1) / kRows * kRows;
   for (int t = 0; t < spec_.history; ++t) {
     for (int s = 0; s < rows; ++s) {
       std::memcpy(gates_ + s * kGates, gate_bias_, kGates * sizeof(float));
       if (s >= sequences_) continue;
       const float* input =
-          s == 0 ? ego + t * kEgo : vehicles + present_[static_cast<size_t>(s - 1)] * vehicle + t * kInputs;
+          s == 0 ? ego + t * kEgo : vehicles + present_.data()[s - 1] * vehicle + t * kInputs;
       float* joined = joined_input_ + s * kPadded;
       if (t > 0) std::memcpy(joined, hidden_ + s * kPadded, kUnits * sizeof(float));
       std::memcpy(joined + kUnits, input, kInputs * sizeof(float));
@@ -152,24 +154,24 @@ void ActingStae::Attend(const nn::LaneKernels& kernels, std::vector<float>& atte
   const float scale = 1.0f / std::sqrt(static_cast<float>(kUnits));
   float highest = 0.0f;  // the zero slot's score
   for (size_t i = 0; i < present_.size(); ++i) {
-    float& score = attention[static_cast<size_t>(present_[i])];
+    float& score = attention.data()[present_[i]];
     score = (Dot(folded, hidden_ + (i + 1) * kPadded) + bias) * scale;
     highest = std::max(highest, score);
   }
   float sum = std::exp(-highest);
   for (const int v : present_) {
-    float& weight = attention[static_cast<size_t>(v)];
+    float& weight = attention.data()[v];
     weight = std::exp(weight - highest);
     sum += weight;
   }
   float total = 0.0f;
   std::fill(context, context + kPadded, 0.0f);
   for (size_t i = 0; i < present_.size(); ++i) {
-    float& weight = attention[static_cast<size_t>(present_[i])];
+    float& weight = attention.data()[present_[i]];
     weight /= sum;
     total += weight;
-    for (int j = 0; j < kUnits; ++j)
-      context[j] += weight * hidden_[(i + 1) * kPadded + static_cast<size_t>(j)];
+    const float* const hidden = hidden_ + (i + 1) * kPadded;
+    for (int j = 0; j < kUnits; ++j) context[j] += weight * hidden[j];
   }
   value_.Apply(kernels, context, value, false);
   for (int j = 0; j < kUnits; ++j) value[j] += total * value_bias_[j];

@@ -35,7 +35,7 @@ void EncoderForward(const nn::LaneKernels& kernels, const Encoder& encoder, cons
     const ptrdiff_t sequence = SequenceFloats(encoder.spec);
     for (int b = 0; b < observations.blocks; ++b) {
       const float* vehicles = observations.sequences + ((1 + encoder.spec.vehicles) * b + 1) * sequence;
-      std::memcpy(features.block(b), observations.ego + b * ego, static_cast<size_t>(ego) * sizeof(float));
+      std::copy_n(observations.ego + b * ego, ego, features.block(b));
       std::memcpy(features.block(b) + ego, vehicles,
                   static_cast<size_t>(encoder.spec.vehicles * sequence) * sizeof(float));
     }

@@ -9,10 +9,9 @@ using nn::kLanes;
 
 LaneObservations::LaneObservations(nn::Arena& arena, const DrivingShape& observation_spec, int block_count)
     : spec(observation_spec), blocks(block_count) {
-  const auto count = static_cast<size_t>(blocks);
-  ego = arena.Allocate(count * static_cast<size_t>(EgoBlock(spec)));
-  sequences = arena.Allocate(count * static_cast<size_t>((1 + spec.vehicles) * SequenceFloats(spec)));
-  absent = nn::Contiguous(arena.Allocate(count * static_cast<size_t>(spec.vehicles) * kLanes), spec.vehicles);
+  ego = arena.Allocate(blocks * EgoBlock(spec));
+  sequences = arena.Allocate(blocks * (1 + spec.vehicles) * SequenceFloats(spec));
+  absent = nn::TakeLanes(arena, spec.vehicles, blocks);
 }
 
 nn::LaneSpan LaneObservations::ego_now() const {
@@ -32,10 +31,9 @@ void LaneObservations::Pack(const nn::LaneKernels& kernels, ColumnRows batch, co
     kernels.to_lanes(batch_ego + ptrdiff_t{first} * spec.ego_floats(), spec.ego_floats(), count,
                      spec.ego_floats(), block_ego);
     float* block = sequences + b * (1 + spec.vehicles) * sequence;
-    constexpr size_t kRow = size_t{DrivingShape::kVehicleFeatures} * kLanes;
+    constexpr int kRow = DrivingShape::kVehicleFeatures * kLanes;
     for (int t = 0; t < spec.history; ++t) {
-      std::memcpy(block + static_cast<size_t>(t) * kRow,
-                  block_ego + ptrdiff_t{t} * DrivingShape::kEgoFeatures * kLanes, kRow * sizeof(float));
+      std::copy_n(block_ego + t * DrivingShape::kEgoFeatures * kLanes, kRow, block + t * kRow);
     }
     kernels.to_lanes(batch_vehicles + ptrdiff_t{first} * spec.vehicle_floats(), spec.vehicle_floats(), count,
                      spec.vehicle_floats(), block + sequence);

@@ -14,7 +14,7 @@ MlpActivations::Hidden TakeHidden(nn::Arena& arena, int features, int blocks, bo
   hidden.output = nn::TakeLanes(arena, features, blocks);
   if (!layer_norm) return hidden;
   hidden.normalized = nn::TakeLanes(arena, features, blocks);
-  hidden.inverse_deviation = arena.Allocate(static_cast<size_t>(blocks) * kLanes);
+  hidden.inverse_deviation = arena.Allocate(ptrdiff_t{blocks} * kLanes);
   return hidden;
 }
 

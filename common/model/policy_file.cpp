@@ -92,7 +92,7 @@ Status SavePolicy(const std::filesystem::path& path, const PolicyToSave& policy)
   writer.Put(policy.policy_version);
   writer.Put(policy.updates);
   writer.PutText(policy.config_yaml);
-  writer.Put(static_cast<uint32_t>(policy.networks.size()));
+  writer.Put<uint32_t>(policy.networks.size());
   for (const NamedNetwork& network : policy.networks) {
     writer.PutText(network.name);
     writer.Put(network.layout_hash);

@@ -18,10 +18,10 @@ struct Stack {
         hidden2(arena, model.hidden, model.hidden),
         output(arena, model.hidden, 2 * kActionSize),
         pooled(arena.Allocate(nn::kConvFeatures)),
-        features(arena.Allocate(static_cast<size_t>(network.encoder.features()))),
-        layer1(arena.Allocate(static_cast<size_t>(hidden1.padded))),
-        layer2(arena.Allocate(static_cast<size_t>(hidden2.padded))),
-        result(arena.Allocate(static_cast<size_t>(output.padded))) {
+        features(arena.Allocate(network.encoder.features())),
+        layer1(arena.Allocate(hidden1.padded)),
+        layer2(arena.Allocate(hidden2.padded)),
+        result(arena.Allocate(output.padded)) {
     if (network.encoder.stae) stae.emplace(arena, network.encoder.spec);
     if (network.encoder.context)
       context_output = DenseRow(arena, nn::kConvFeatures, ContextEncoder::kFeatures);
@@ -134,7 +134,7 @@ Action SquashedGaussianPolicy::Act(const Observation& observation, Random* rando
   std::copy_n(stack_.result, kActionSize, mean_.begin());
   for (size_t i = 0; i < kActionSize; ++i) {
     const double log_std = stack_.result[kActionSize + i];
-    log_std_[i] = static_cast<float>(std::clamp(log_std, limits_.log_std_min, limits_.log_std_max));
+    log_std_[i] = std::clamp(log_std, limits_.log_std_min, limits_.log_std_max);
   }
   if (random != nullptr) return Sample(*random);
   details_.log_probability.reset();
@@ -150,10 +150,10 @@ Action SquashedGaussianPolicy::Sample(Random& random) {
   for (size_t i = 0; i < kActionSize; ++i) {
     const nn::SquashedSample sample =
         nn::SampleSquashed(stack_.result[i], stack_.result[kActionSize + i], random.Normal(), limits_);
-    action[i] = static_cast<float>(sample.action);
+    action[i] = sample.action;
     log_probability += sample.log_probability;
   }
-  details_.log_probability = static_cast<float>(log_probability);
+  details_.log_probability = log_probability;
   return action;
 }
 

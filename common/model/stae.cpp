@@ -28,7 +28,7 @@ StaeActivations::StaeActivations(nn::Arena& arena, const Stae& stae, int blocks,
       hidden(nn::TakeLanes(arena, Sequences(stae) * Stae::kUnits, blocks)),
       attention(arena, stae.attention, blocks),
       joined(nn::TakeLanes(arena, kEgo + Stae::kUnits, blocks)),
-      inverse_deviation(arena.Allocate(static_cast<size_t>(blocks) * kLanes)) {}
+      inverse_deviation(arena.Allocate(ptrdiff_t{blocks} * kLanes)) {}
 
 StaeScratch::StaeScratch(nn::Arena& arena, const Stae& stae, int blocks)
     : sum_gradient(nn::TakeLanes(arena, Stae::kUnits, blocks)),

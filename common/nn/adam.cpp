@@ -16,7 +16,7 @@ Range ShareOf(Range whole, int member, int members) {
 bool ApplyAdam(const LaneKernels& kernels, const AdamSettings& settings, const AdamStep& step) {
   std::array<float*, kMaxGradients> gradients;
   for (size_t i = 0; i < step.gradients.size(); ++i) gradients[i] = step.gradients[i] + step.range.first;
-  const double count = static_cast<double>(step.step);
+  const double count = step.step;
   const double correction1 = 1.0 - std::pow(settings.beta1, count);
   const double correction2 = 1.0 - std::pow(settings.beta2, count);
   return kernels.adam({.count = step.range.count,
@@ -35,7 +35,7 @@ bool ApplyAdam(const LaneKernels& kernels, const AdamSettings& settings, const A
 }
 
 void ApplyAdam(const AdamSettings& settings, double gradient, uint64_t step, ScalarAdam& scalar) {
-  const double count = static_cast<double>(step);
+  const double count = step;
   scalar.first = settings.beta1 * scalar.first + (1.0 - settings.beta1) * gradient;
   scalar.second = settings.beta2 * scalar.second + (1.0 - settings.beta2) * gradient * gradient;
   const double root = std::sqrt(scalar.second / (1.0 - std::pow(settings.beta2, count)));

@@ -27,7 +27,7 @@ FloatBuffer::FloatBuffer(size_t count) : size_(count) {
 
 void FloatBuffer::Release::operator()(float* memory) const { std::free(memory); }
 
-float* Arena::Allocate(size_t count) {
+float* Arena::Take(size_t count) {
   const size_t start = used_;
   used_ += RoundUp(count, kAlignedFloats);
   if (capacity_ == 0) return nullptr;

@@ -1,15 +1,20 @@
 // Memory for parameters and activations: aligned for vectors, backed by huge pages, owned in one place.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <type_traits>
 
 namespace dadrl::nn {
 
 constexpr size_t kAlignment = 64;                              // bytes: one cache line, one AVX-512 vector
 constexpr size_t kAlignedFloats = kAlignment / sizeof(float);  // parameters are padded to multiples of this
-constexpr size_t RoundUp(size_t n, size_t multiple) { return (n + multiple - 1) / multiple * multiple; }
+template <std::integral N>
+constexpr N RoundUp(N n, std::type_identity_t<N> multiple) {
+  return (n + multiple - 1) / multiple * multiple;
+}
 
 // A fixed number of zeroed floats, 64-byte aligned; large ones ask for huge pages. Movable; moving keeps the
 // address.
@@ -42,12 +47,14 @@ class Arena {
   Arena() = default;
   explicit Arena(size_t capacity) : buffer_(capacity), capacity_(capacity) {}
 
-  // `count` floats, zeroed at first.
-  float* Allocate(size_t count);
+  // `count` floats, zeroed at first; not negative.
+  float* Allocate(std::integral auto count) { return Take(static_cast<size_t>(count)); }
   // Floats handed out so far, padding included.
   size_t used() const { return used_; }
 
  private:
+  float* Take(size_t count);
+
   FloatBuffer buffer_;
   size_t capacity_ = 0;
   size_t used_ = 0;

@@ -5,15 +5,12 @@
 namespace dadrl::nn {
 namespace {
 
-ptrdiff_t PaddedRow(int inputs) {
-  return static_cast<ptrdiff_t>(RoundUp(static_cast<size_t>(inputs), kLanes));
-}
+int PaddedRow(int inputs) { return RoundUp(inputs, kLanes); }
 
 }  // namespace
 
 LaneSpan TakeLanes(Arena& arena, int features, int blocks) {
-  const auto block = static_cast<size_t>(features) * kLanes;
-  return Contiguous(arena.Allocate(block * static_cast<size_t>(blocks)), features);
+  return Contiguous(arena.Allocate(ptrdiff_t{features} * kLanes * blocks), features);
 }
 
 Linear Linear::Add(ParamLayout& layout, const std::string& prefix, int inputs, int outputs) {
@@ -69,12 +66,12 @@ void LinearWeightGradient(const LaneKernels& kernels, const Linear& layer, float
 
 void OuterProductSum(const LaneKernels& kernels, LaneSpan output_gradient, int outputs, LaneSpan input,
                      int inputs, int blocks, float* weight_gradient, float* scratch) {
-  const ptrdiff_t row = PaddedRow(inputs);
+  const int row = PaddedRow(inputs);
   for (int block = 0; block < blocks; ++block) {
-    kernels.to_rows(input.block(block), inputs, scratch + block * row * kLanes, row);
+    kernels.to_rows(input.block(block), inputs, scratch + ptrdiff_t{block} * row * kLanes, row);
   }
   kernels.multiply({.rows = outputs,
-                    .blocks = static_cast<int>(row / kLanes),
+                    .blocks = row / kLanes,
                     .depth = kLanes,
                     .segments = blocks,
                     .a = output_gradient.data,
@@ -84,12 +81,12 @@ void OuterProductSum(const LaneKernels& kernels, LaneSpan output_gradient, int o
                     .b = scratch,
                     .b_block = kLanes,
                     .b_depth = row,
-                    .b_segment = row * kLanes,
+                    .b_segment = ptrdiff_t{row} * kLanes,
                     .c = weight_gradient,
                     .c_block = kLanes,
                     .c_row = inputs,
                     .accumulate = true,
-                    .last_width = inputs - static_cast<int>(row) + kLanes});
+                    .last_width = inputs - row + kLanes});
 }
 
 size_t WeightScratch(int inputs, int blocks) {

@@ -15,7 +15,7 @@ ptrdiff_t Units(const Lstm& lstm) { return ptrdiff_t{lstm.units} * kLanes; }
 // hidden, input, and a one whose weights are the bias, padded to whole vectors.
 int JoinedRow(const Lstm& lstm) {
   const int features = lstm.units + lstm.inputs + 1;
-  return static_cast<int>(RoundUp(static_cast<size_t>(features), kLanes));
+  return RoundUp(features, kLanes);
 }
 
 // Where a step of a block lies in the activations.
@@ -74,12 +74,11 @@ void JoinedWeightGradient(const LaneKernels& kernels, const Lstm& lstm, const fl
   const int row = JoinedRow(lstm);
   for (int t = 0; t < lstm.steps; ++t) {
     if (t == 0) {
-      std::memset(scratch.joined, 0, static_cast<size_t>(at.units) * sizeof(float));
+      std::fill_n(scratch.joined, at.units, 0.0f);
     } else {
-      std::memcpy(scratch.joined, at.hidden(block, t - 1), static_cast<size_t>(at.units) * sizeof(float));
+      std::copy_n(at.hidden(block, t - 1), at.units, scratch.joined);
     }
-    std::memcpy(scratch.joined + at.units, sequence + t * inputs,
-                static_cast<size_t>(inputs) * sizeof(float));
+    std::copy_n(sequence + t * inputs, inputs, scratch.joined + at.units);
     kernels.to_rows(scratch.joined, row, scratch.rows + ptrdiff_t{t} * row * kLanes, row);
   }
   kernels.multiply({.rows = 4 * lstm.units,
@@ -102,12 +101,13 @@ void JoinedWeightGradient(const LaneKernels& kernels, const Lstm& lstm, const fl
 
 void SplitWeightGradient(const Lstm& lstm, const float* sums, float* gradients) {
   const int row = JoinedRow(lstm);
+  float* const bias = gradients + lstm.bias;
   for (int gate = 0; gate < 4 * lstm.units; ++gate, sums += row) {
     float* hh = gradients + lstm.weight_hh + ptrdiff_t{gate} * lstm.units;
     for (int j = 0; j < lstm.units; ++j) hh[j] += sums[j];
     float* ih = gradients + lstm.weight_ih + ptrdiff_t{gate} * lstm.inputs;
     for (int j = 0; j < lstm.inputs; ++j) ih[j] += sums[lstm.units + j];
-    gradients[lstm.bias + static_cast<size_t>(gate)] += sums[lstm.units + lstm.inputs];
+    bias[gate] += sums[lstm.units + lstm.inputs];
   }
 }
 
@@ -123,8 +123,8 @@ Lstm Lstm::Add(ParamLayout& layout, const std::string& prefix, int inputs, int u
 }
 
 LstmActivations::LstmActivations(Arena& arena, const Lstm& lstm, int blocks, bool keep_all) : keep(keep_all) {
-  const size_t count = keep ? static_cast<size_t>(blocks * lstm.steps) : size_t{kChunk};
-  const size_t units = static_cast<size_t>(Units(lstm));
+  const ptrdiff_t count = keep ? blocks * lstm.steps : kChunk;
+  const ptrdiff_t units = Units(lstm);
   gates = arena.Allocate(count * 4 * units);
   cell = arena.Allocate(count * units);
   cell_tanh = arena.Allocate(count * units);
@@ -132,13 +132,13 @@ LstmActivations::LstmActivations(Arena& arena, const Lstm& lstm, int blocks, boo
 }
 
 LstmScratch::LstmScratch(Arena& arena, const Lstm& lstm) {
-  const size_t row = static_cast<size_t>(JoinedRow(lstm));
-  const size_t units = static_cast<size_t>(Units(lstm));
+  const ptrdiff_t row = JoinedRow(lstm);
+  const ptrdiff_t units = Units(lstm);
   hidden_gradient = arena.Allocate(kChunk * units);
   cell_gradient = arena.Allocate(kChunk * units);
   joined = arena.Allocate(row * kLanes);
-  rows = arena.Allocate(static_cast<size_t>(lstm.steps) * row * kLanes);
-  weight_sums = arena.Allocate(static_cast<size_t>(4 * lstm.units) * row);
+  rows = arena.Allocate(lstm.steps * row * kLanes);
+  weight_sums = arena.Allocate(4 * lstm.units * row);
 }
 
 void LstmForward(const LaneKernels& kernels, const Lstm& lstm, const float* parameters,
@@ -167,15 +167,14 @@ void LstmBackward(const LaneKernels& kernels, const Lstm& lstm, const float* par
   const Places at(lstm, activations);
   const ptrdiff_t sequence = ptrdiff_t{lstm.steps} * lstm.inputs * kLanes;
   const int row = JoinedRow(lstm);
-  const size_t unit_bytes = static_cast<size_t>(at.units) * sizeof(float);
-  std::memset(scratch.weight_sums, 0, static_cast<size_t>(4 * lstm.units * row) * sizeof(float));
+  std::fill_n(scratch.weight_sums, 4 * lstm.units * row, 0.0f);
   const ptrdiff_t one = ptrdiff_t{lstm.units + lstm.inputs} * kLanes;
   std::fill(scratch.joined + one, scratch.joined + one + kLanes, 1.0f);
   for (int first = 0; first < blocks; first += kChunk) {
     const int end = std::min(first + kChunk, blocks);
-    const size_t chunk_bytes = static_cast<size_t>(end - first) * unit_bytes;
-    std::memcpy(scratch.hidden_gradient, last_hidden_gradient + first * at.units, chunk_bytes);
-    std::memset(scratch.cell_gradient, 0, chunk_bytes);
+    const ptrdiff_t chunk = (end - first) * at.units;
+    std::copy_n(last_hidden_gradient + first * at.units, chunk, scratch.hidden_gradient);
+    std::fill_n(scratch.cell_gradient, chunk, 0.0f);
     for (int t = lstm.steps - 1; t >= 0; --t) {
       for (int b = first; b < end; ++b) {
         kernels.lstm_backward({.units = lstm.units,

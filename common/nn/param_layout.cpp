@@ -51,7 +51,7 @@ void ParamLayout::Initialize(uint64_t seed, std::span<float> parameters) const {
   Random random(seed);
   for (const TensorInfo& tensor : tensors_) {
     for (float& value : parameters.subspan(tensor.offset, tensor.size)) {
-      value = static_cast<float>(random.Uniform(-tensor.initial_bound, tensor.initial_bound));
+      value = random.Uniform(-tensor.initial_bound, tensor.initial_bound);
     }
   }
 }

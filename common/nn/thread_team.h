@@ -18,7 +18,7 @@ class ThreadTeam {
   ThreadTeam(const ThreadTeam&) = delete;
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
-  int size() const { return static_cast<int>(helpers_.size()) + 1; }
+  int size() const { return std::ssize(helpers_) + 1; }
 
   // Calls work(member) once on every member, 0 to size() - 1, and returns when all have. Allocates nothing.
   // `work` must not throw.

@@ -86,13 +86,12 @@ class MemoryTransport::Medium {
 
   int CountReaders(const TopicSpec& topic) DADRL_EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
-    return static_cast<int>(Readers(topic).size());
+    return std::ssize(Readers(topic));
   }
   int CountWriters(const TopicSpec& topic) DADRL_EXCLUDES(mutex_) {
     MutexLock lock(mutex_);
-    return static_cast<int>(std::count_if(writers_.begin(), writers_.end(), [&](const WriterEnd* writer) {
-      return Match(writer->topic, topic);
-    }));
+    return std::count_if(writers_.begin(), writers_.end(),
+                         [&](const WriterEnd* writer) { return Match(writer->topic, topic); });
   }
   uint64_t GenerationOf(const WriterEnd& writer) DADRL_EXCLUDES(mutex_) {
     MutexLock lock(mutex_);

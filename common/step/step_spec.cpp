@@ -70,7 +70,7 @@ void Put(const ColumnSpec& column, ByteWriter& writer) {
   writer.PutText(column.name);
   writer.Put(static_cast<uint32_t>(column.type));
   writer.Put(static_cast<uint32_t>(column.codec));
-  writer.Put(static_cast<uint32_t>(column.shape.size()));
+  writer.Put<uint32_t>(column.shape.size());
   for (const int size : column.shape) writer.Put(size);
 }
 
@@ -125,7 +125,7 @@ uint64_t SchemaHash(const StepSpec& spec) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
   for (const auto* columns : {&spec.observation, &spec.decision}) {
-    writer.Put(static_cast<uint32_t>(columns->size()));
+    writer.Put<uint32_t>(columns->size());
     for (const ColumnSpec& column : *columns) Put(column, writer);
   }
   return Xxh3(bytes);

@@ -1,9 +1,8 @@
 #include "common/step/step_spec_json.h"
 
-#include <array>
-
 #include "common/io/json_text.h"
 #include "common/step/first_format.h"
+#include "common/util/enum_array.h"
 
 namespace dadrl {
 namespace {
@@ -15,21 +14,24 @@ constexpr size_t kMaxDimensions = 8;
 constexpr size_t kMaxWord = 64;
 
 // In the order of their enumerations.
-constexpr std::array<std::string_view, 2> kTypes = {"float32", "bit"};
-constexpr std::array<std::string_view, 4> kCodecs = {"raw", "half", "history", "bit_planes"};
+constexpr EnumArray<ElementType, std::string_view, 2> kTypes = {"float32", "bit"};
+constexpr EnumArray<ColumnCodec, std::string_view, 4> kCodecs = {"raw", "half", "history", "bit_planes"};
 
 template <typename Enum, size_t N>
-Enum Parse(JsonFields& fields, const char* key, const std::array<std::string_view, N>& names) {
-  const auto found = std::ranges::find(names, fields.Text(key, kMaxWord));
-  if (found == names.end()) fields.Refuse(key);
-  return static_cast<Enum>(found - names.begin());
+Enum Parse(JsonFields& fields, const char* key, const EnumArray<Enum, std::string_view, N>& names) {
+  const std::string word = fields.Text(key, kMaxWord);
+  for (size_t i = 0; i < N; ++i) {
+    if (names[i] == word) return names.At(i);
+  }
+  fields.Refuse(key);
+  return {};
 }
 
 Json ColumnToJson(const ColumnSpec& column) {
   return {{"name", column.name},
-          {"type", kTypes[static_cast<size_t>(column.type)]},
+          {"type", kTypes[column.type]},
           {"shape", column.shape},
-          {"codec", kCodecs[static_cast<size_t>(column.codec)]},
+          {"codec", kCodecs[column.codec]},
           {"bound", column.bound}};
 }
 
@@ -37,8 +39,8 @@ Result<ColumnSpec> ColumnFromJson(const Json& json, std::string_view origin) {
   JsonFields fields(json);
   ColumnSpec column;
   column.name = fields.Text("name", kMaxWord);
-  column.type = Parse<ElementType>(fields, "type", kTypes);
-  column.codec = Parse<ColumnCodec>(fields, "codec", kCodecs);
+  column.type = Parse(fields, "type", kTypes);
+  column.codec = Parse(fields, "codec", kCodecs);
   column.bound = static_cast<float>(fields.Number("bound", 0.0, double{std::numeric_limits<float>::max()}));
   const Json* shape = fields.Find("shape");
   if (shape == nullptr || !shape->is_array() || shape->size() > kMaxDimensions) fields.Refuse("shape");
@@ -85,11 +87,11 @@ Result<StepSpec> StepSpecFromJson(const Json& json, std::string_view origin) {
 }
 
 Result<StepSpec> SpecInFirstFormat(const Json& json, std::string_view origin) {
-  constexpr uint64_t kMostVehicles = 64;  // as the configuration's ranges
-  constexpr uint64_t kMostHistory = 50;
+  constexpr int kMostVehicles = 64;  // as the configuration's ranges
+  constexpr int kMostHistory = 50;
   JsonFields fields(json);
-  const auto vehicles = static_cast<int>(fields.Whole("vehicles", kMostVehicles));
-  const auto history = static_cast<int>(fields.Whole("history", kMostHistory));
+  const auto vehicles = fields.Whole("vehicles", kMostVehicles);
+  const auto history = fields.Whole("history", kMostHistory);
   if (vehicles < 1) fields.Refuse("vehicles");
   if (history < 1) fields.Refuse("history");
   if (fields.ok()) return FirstFormatSpec(vehicles, history);

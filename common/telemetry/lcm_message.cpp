@@ -1,7 +1,8 @@
 #include "common/telemetry/lcm_message.h"
 
 #include <algorithm>
-#include <array>
+
+#include "common/util/enum_array.h"
 
 namespace dadrl {
 namespace {
@@ -23,9 +24,9 @@ void AppendBigEndian(uint32_t value, std::vector<std::byte>& bytes) {
 }  // namespace
 
 std::string_view LcmRefusalName(LcmRefusal refusal) {
-  constexpr std::array<std::string_view, static_cast<size_t>(LcmRefusal::kCount)> kNames = {
-      "from another host", "fragment", "malformed", "unknown channel"};
-  return kNames[static_cast<size_t>(refusal)];
+  constexpr EnumArray<LcmRefusal, std::string_view> kNames = {"from another host", "fragment", "malformed",
+                                                              "unknown channel"};
+  return kNames[refusal];
 }
 
 tl::expected<LcmMessage, LcmRefusal> ParseLcmMessage(std::span<const std::byte> datagram) {

@@ -54,7 +54,7 @@ bool LcmReceiver::Receive(Duration timeout, const Handler& handler) {
 }
 
 void LcmReceiver::Refuse(LcmRefusal refusal) {
-  if (++refusals_[static_cast<size_t>(refusal)] > 1) return;
+  if (++refusals_[refusal] > 1) return;
   spdlog::warn("telemetry: refused a datagram ({}): somebody else sends to this group and port",
                LcmRefusalName(refusal));
 }

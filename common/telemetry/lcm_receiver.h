@@ -2,7 +2,6 @@
 // anyone can look at them, and a forged pair writes outside its buffer.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,12 +12,13 @@
 #include "common/io/file_descriptor.h"
 #include "common/telemetry/lcm_message.h"
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "common/util/result.h"
 
 namespace dadrl {
 
 // Datagrams that were not taken, by LcmRefusal.
-using LcmRefusals = std::array<uint64_t, static_cast<size_t>(LcmRefusal::kCount)>;
+using LcmRefusals = EnumArray<LcmRefusal, uint64_t>;
 
 // Not thread safe.
 class LcmReceiver {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "common/util/mutex.h"
@@ -24,6 +25,9 @@ class BoundedQueue {
     changed_.NotifyAll();
     return true;
   }
+
+  // As TryPush, where there is always room, or nobody misses `item`.
+  void PushOrDrop(T item) DADRL_EXCLUDES(mutex_) { std::ignore = TryPush(item); }
 
   // Blocks while full, at most `timeout`; false on time-out or when closed.
   [[nodiscard]] bool Push(T item, Duration timeout) DADRL_EXCLUDES(mutex_) {

@@ -14,7 +14,7 @@ struct Description {
   bool holds_up_training = false;
 };
 
-constexpr std::array kDescriptions = {
+constexpr EnumArray<FaultKind, Description> kDescriptions = {
     Description{"experience", "actors keep their experience until it can be stored, sampling goes on",
                 "experience can be stored again", true},
     Description{"sync", "a power cut would lose what was stored since", "stored experience is forced again"},
@@ -33,20 +33,18 @@ constexpr std::array kDescriptions = {
                 "starts are written down again"},
     Description{"results", "training goes on, its results are not saved", "results are saved again"},
 };
-static_assert(kDescriptions.size() == static_cast<size_t>(FaultKind::kCount));
-
-const Description& Describe(FaultKind kind) { return kDescriptions[static_cast<size_t>(kind)]; }
+static_assert(!kDescriptions.back().name.empty());
 
 }  // namespace
 
-std::string_view FaultName(FaultKind kind) { return Describe(kind).name; }
-std::string_view FaultMeaning(FaultKind kind) { return Describe(kind).meaning; }
-std::string_view FaultOver(FaultKind kind) { return Describe(kind).over; }
-bool HoldsUpTraining(FaultKind kind) { return Describe(kind).holds_up_training; }
+std::string_view FaultName(FaultKind kind) { return kDescriptions[kind].name; }
+std::string_view FaultMeaning(FaultKind kind) { return kDescriptions[kind].meaning; }
+std::string_view FaultOver(FaultKind kind) { return kDescriptions[kind].over; }
+bool HoldsUpTraining(FaultKind kind) { return kDescriptions[kind].holds_up_training; }
 
 void FaultBoard::Report(FaultKind kind, const Status& outcome) {
   MutexLock lock(mutex_);
-  std::optional<Lasting>& lasting = lasting_[static_cast<size_t>(kind)];
+  std::optional<Lasting>& lasting = lasting_[kind];
   if (outcome.has_value() != lasting.has_value()) return;  // no news
   const bool says = logging_ == Logging::kOn;
   if (outcome) {
@@ -61,7 +59,7 @@ void FaultBoard::Report(FaultKind kind, const Status& outcome) {
 
 std::string FaultBoard::HeldUpBy() const {
   for (size_t i = 0; i < lasting_.size(); ++i) {
-    if (lasting_[i] && HoldsUpTraining(static_cast<FaultKind>(i))) return lasting_[i]->text;
+    if (lasting_[i] && HoldsUpTraining(lasting_.At(i))) return lasting_[i]->text;
   }
   return {};
 }
@@ -76,15 +74,14 @@ std::vector<Fault> FaultBoard::Current() const {
   std::vector<Fault> current;
   for (size_t i = 0; i < lasting_.size(); ++i) {
     if (!lasting_[i]) continue;
-    current.push_back(
-        {static_cast<FaultKind>(i), lasting_[i]->text, ToSeconds(clock_.Now() - lasting_[i]->since)});
+    current.push_back({lasting_.At(i), lasting_[i]->text, ToSeconds(clock_.Now() - lasting_[i]->since)});
   }
   return current;
 }
 
 bool FaultBoard::Lasts(FaultKind kind) const {
   MutexLock lock(mutex_);
-  return lasting_[static_cast<size_t>(kind)].has_value();
+  return lasting_[kind].has_value();
 }
 
 FaultBoard& ProcessFaults() {

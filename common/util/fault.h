@@ -1,7 +1,6 @@
 // What a process cannot do at the moment: faults that last, such as a full disk, and until when.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "common/util/mutex.h"
 #include "common/util/result.h"
 
@@ -79,8 +79,7 @@ class FaultBoard {
   const Logging logging_;
   mutable Mutex mutex_;
   std::function<void(std::string_view)> follower_ DADRL_GUARDED_BY(mutex_);
-  std::array<std::optional<Lasting>, static_cast<size_t>(FaultKind::kCount)> lasting_
-      DADRL_GUARDED_BY(mutex_);
+  EnumArray<FaultKind, std::optional<Lasting>> lasting_ DADRL_GUARDED_BY(mutex_);
 };
 
 // The board of this process, on the real clock: as its log, one for all that it does.

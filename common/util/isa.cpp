@@ -2,19 +2,18 @@
 
 #include <spdlog/spdlog.h>
 
-#include <array>
 #include <atomic>
 #include <optional>
 #include <string>
 
+#include "common/util/enum_array.h"
 #include "common/util/environment.h"
 #include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
 
-constexpr std::array kNames = {std::string_view("scalar"), std::string_view("avx2"),
-                               std::string_view("avx512")};
+constexpr EnumArray<Isa, std::string_view, 3> kNames = {"scalar", "avx2", "avx512"};
 
 Isa InitialIsa() {
   const Isa best = DetectIsa();
@@ -54,11 +53,11 @@ bool SetIsa(Isa isa) {
   return true;
 }
 
-std::string_view IsaName(Isa isa) { return kNames[static_cast<size_t>(isa)]; }
+std::string_view IsaName(Isa isa) { return kNames[isa]; }
 
 std::optional<Isa> IsaFromName(std::string_view name) {
   for (size_t i = 0; i < kNames.size(); ++i) {
-    if (kNames[i] == name) return static_cast<Isa>(i);
+    if (kNames[i] == name) return kNames.At(i);
   }
   return std::nullopt;
 }

@@ -34,7 +34,7 @@ uint64_t Random::Next() {
   return result;
 }
 
-double Random::Uniform() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
+double Random::Uniform() { return (Next() >> 11) * 0x1.0p-53; }
 
 uint64_t Random::Below(uint64_t bound) {
   const uint64_t threshold = (0 - bound) % bound;

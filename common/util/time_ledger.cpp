@@ -31,7 +31,7 @@ std::string_view ActivityName(Activity activity) {
 }
 
 double ActivityTotals::AllSeconds() const {
-  return std::accumulate(spent_.begin(), spent_.end(), 0.0,
+  return std::accumulate(begin(), end(), 0.0,
                          [](double sum, const TimeSpent& spent) { return sum + spent.seconds; });
 }
 

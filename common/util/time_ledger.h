@@ -2,11 +2,11 @@
 // waits for whom" comes from here.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string_view>
 
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "common/util/mutex.h"
 
 namespace dadrl {
@@ -36,18 +36,8 @@ struct TimeSpent {
   bool operator==(const TimeSpent&) const = default;
 };
 
-// By Activity.
-class ActivityTotals {
- public:
-  static constexpr size_t kSize = static_cast<size_t>(Activity::kCount);
-
-  TimeSpent& operator[](Activity activity) { return spent_[static_cast<size_t>(activity)]; }
-  const TimeSpent& operator[](Activity activity) const { return spent_[static_cast<size_t>(activity)]; }
+struct ActivityTotals : EnumArray<Activity, TimeSpent> {
   double AllSeconds() const;
-  bool operator==(const ActivityTotals&) const = default;
-
- private:
-  std::array<TimeSpent, kSize> spent_{};
 };
 
 // Counts and times a thread's activities. One thread at a time calls Enter; any thread may call Read.

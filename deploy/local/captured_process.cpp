@@ -83,7 +83,7 @@ std::vector<std::string> CapturedProcess::OutputLines() const {
 
 int CapturedProcess::OutputLineCount() const {
   const std::string text = Output();
-  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+  return std::count(text.begin(), text.end(), '\n');
 }
 
 std::vector<std::string> CapturedProcess::LogEnd(size_t lines) const { return LogTail(log_, lines); }

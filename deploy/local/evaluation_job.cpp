@@ -22,7 +22,7 @@ EvaluationSlice Rest(const EvaluationSlice& slice, int done) {
 }  // namespace
 
 std::vector<EvaluationSlice> SliceEpisodes(const std::vector<PlannedEpisode>& episodes, int processes) {
-  const int total = static_cast<int>(episodes.size());
+  const int total = std::ssize(episodes);
   const int pieces = kSlicesPerProcess * std::max(1, processes);
   const int size = std::max(1, (total + pieces - 1) / pieces);
   std::vector<EvaluationSlice> slices;
@@ -40,7 +40,7 @@ Result<EvaluationJob> EvaluationJob::Create(EvaluationPlan plan) {
   EvaluationJob job(std::move(plan));
   const std::vector<std::string> scenarios =
       job.plan_.scenario == kAllScenarios ? ScenarioNames() : std::vector{job.plan_.scenario};
-  job.planned_ = static_cast<int>(episodes.size() * scenarios.size());
+  job.planned_ = episodes.size() * scenarios.size();
   for (const std::string& scenario : scenarios) {
     for (const EvaluationSlice& slice : SliceEpisodes(episodes, job.plan_.processes)) {
       job.waiting_.push_back({scenario, slice});
@@ -105,7 +105,7 @@ void EvaluationJob::Step() {
     running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(i));
     Gather(ended, *status);
   }
-  while (!error_ && !waiting_.empty() && static_cast<int>(running_.size()) < plan_.processes) {
+  while (!error_ && !waiting_.empty() && std::ssize(running_) < plan_.processes) {
     const Waiting next = waiting_.back();
     waiting_.pop_back();
     Result<Worker> worker = Launch(next);
@@ -173,7 +173,7 @@ void EvaluationJob::HandleDeath(const Worker& worker, const ExitStatus& status, 
 }
 
 int EvaluationJob::finished_episodes() const {
-  int count = static_cast<int>(episodes_.size());
+  int count = std::ssize(episodes_);
   for (const Worker& worker : running_) count += worker.process.OutputLineCount();
   return count;
 }

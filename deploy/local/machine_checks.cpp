@@ -134,8 +134,7 @@ int64_t NumberIn(const std::filesystem::path& file) {
 }  // namespace
 
 MachineCheck CheckReceiveBuffer(int64_t wanted_bytes, int64_t system_limit_bytes) {
-  const std::string found =
-      fmt::format("{:.1f} MiB allowed", static_cast<double>(system_limit_bytes) / (1 << 20));
+  const std::string found = fmt::format("{:.1f} MiB allowed", system_limit_bytes / 0x1p20);
   if (system_limit_bytes >= wanted_bytes) return {"UDP buffers", CheckState::kGood, found, ""};
   return {"UDP buffers", CheckState::kWarning, found + ", big batches may be sent twice",
           fmt::format("sysctl -w net.core.rmem_max={}", wanted_bytes)};
@@ -181,12 +180,11 @@ std::vector<MachineCheck> CheckMachine(const Config& config) {
       CheckReceiveBuffer(config.cluster.receive_buffer_bytes, NumberIn("/proc/sys/net/core/rmem_max")));
   std::error_code error;
   const auto space = std::filesystem::space(".", error);
-  checks.push_back(CheckDisk("the current folder", static_cast<double>(space.available),
-                             static_cast<double>(config.replay.max_disk_bytes) + kGiB));
+  checks.push_back(CheckDisk("the current folder", space.available, config.replay.max_disk_bytes + kGiB));
   checks.push_back(CheckFolder("."));
   // An actor with SUMO takes about a quarter of a gibibyte.
-  checks.push_back(CheckMemory(AvailableMemory(), static_cast<double>(config.replay.max_memory_bytes) +
-                                                      kGiB * (1.0 + 0.25 * config.actor.count)));
+  checks.push_back(CheckMemory(AvailableMemory(),
+                               config.replay.max_memory_bytes + kGiB * (1.0 + 0.25 * config.actor.count)));
   checks.push_back(CheckCores(UsableCores(), config.learner.threads + config.actor.count));
   checks.push_back(CheckSystemCalls());
   checks.push_back(CheckClock());

@@ -103,9 +103,9 @@ std::string SelectionTable(const Selection& selection) {
     if (candidate.report.lost > 0) {
       mark += fmt::format("{}{} lost to the simulator", mark.empty() ? "" : "; ", candidate.report.lost);
     }
-    text += Row(Thousands(static_cast<double>(candidate.policy.updates)), Percent(all.success),
-                Percent(all.collision), Percent(all.off_road), Percent(all.stagnation),
-                fmt::format("{:.0f}", all.median_steps), mark);
+    text +=
+        Row(Thousands(candidate.policy.updates), Percent(all.success), Percent(all.collision),
+            Percent(all.off_road), Percent(all.stagnation), fmt::format("{:.0f}", all.median_steps), mark);
   }
   return text;
 }
@@ -115,8 +115,8 @@ std::string SelectionLine(const Selection& selection) {
   return fmt::format(
       "{} updates, best of {} on traffic kept for that: success {:.1f} %, collision {:.1f} % of "
       "{} episodes",
-      Thousands(static_cast<double>(chosen.policy.updates)), selection.candidates.size(),
-      100 * chosen.report.all.success, 100 * chosen.report.all.collision, chosen.report.all.episodes);
+      Thousands(chosen.policy.updates), selection.candidates.size(), 100 * chosen.report.all.success,
+      100 * chosen.report.all.collision, chosen.report.all.episodes);
 }
 
 Status SaveSelection(const RunPaths& paths, const Selection& selection) {

@@ -28,7 +28,7 @@ RestartDecision RestartPolicy::OnEnd(TimePoint now, const Ended& ended) {
   if (before_ready_in_a_row_ >= limits_.max_failures_before_ready) {
     return GiveUp{fmt::format("it failed {} times before it was ready", before_ready_in_a_row_)};
   }
-  if (static_cast<int>(failures_.size()) >= limits_.max_failures) {
+  if (std::ssize(failures_) >= limits_.max_failures) {
     return GiveUp{fmt::format("it failed {} times within {:g} minutes", failures_.size(),
                               ToSeconds(limits_.window) / 60.0)};
   }

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <ctime>
 #include <system_error>
+#include <tuple>
 
 #include "common/config/config_yaml.h"
 #include "common/io/atomic_file.h"
@@ -146,7 +147,7 @@ void LinkLatest(const fs::path& root) {
   std::error_code error;
   const fs::path absolute = fs::absolute(root, error).lexically_normal();
   // Best effort: it saves typing, and a folder of that name is somebody's own.
-  static_cast<void>(LinkAtomically(absolute.parent_path() / "latest", absolute.filename()));
+  std::ignore = LinkAtomically(absolute.parent_path() / "latest", absolute.filename());
 }
 
 }  // namespace dadrl

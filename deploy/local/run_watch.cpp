@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
 #include <utility>
 
 namespace dadrl {
@@ -63,7 +64,7 @@ RunPresence::Verdict RunWatch::Look() {
   if (now >= next_check_) {
     next_check_ = now + kCheckInterval;
     // Without a way to the run there is nothing to open: it counts as away, and is tried again.
-    if (!states_ || !node_->CheckAddress()) static_cast<void>(Open());
+    if (!states_ || !node_->CheckAddress()) std::ignore = Open();
   }
   if (!states_) return presence_.Update(false, ending_, now);
   states_->Take(16, [this](const dadrl_idl_RunState& state) {

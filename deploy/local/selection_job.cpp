@@ -46,11 +46,11 @@ int SelectionJob::finished_episodes() const {
   const int each = current_->planned_episodes();
   // The current one is the last that was driven once all are.
   const bool between = driven_.size() == plan_.candidates.size();
-  return each * static_cast<int>(driven_.size()) + (between ? 0 : current_->finished_episodes());
+  return each * std::ssize(driven_) + (between ? 0 : current_->finished_episodes());
 }
 
 int SelectionJob::planned_episodes() const {
-  return current_->planned_episodes() * static_cast<int>(plan_.candidates.size());
+  return current_->planned_episodes() * std::ssize(plan_.candidates);
 }
 
 Result<Selection> SelectionJob::TakeSelection() {

@@ -242,9 +242,8 @@ bool Supervisor::AllEnded() const {
 }
 
 int Supervisor::Count(std::string_view role, ProcessState state) const {
-  return static_cast<int>(std::count_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.spec.role == role && entry.state == state;
-  }));
+  return std::count_if(entries_.begin(), entries_.end(),
+                       [&](const Entry& entry) { return entry.spec.role == role && entry.state == state; });
 }
 
 std::vector<pid_t> Supervisor::RunningPids() const {

@@ -250,8 +250,8 @@ void TrainingRun::FinishEvaluation(const Result<EvaluatedPolicy>& evaluated) {
   }
   evaluated_at_.updates = evaluated->updates;
   evaluated_at_.policy_version = evaluated->policy_version;
-  last_evaluation_ = fmt::format("{} updates: {}", Thousands(static_cast<double>(evaluated->updates)),
-                                 ReportLine(evaluated->report));
+  last_evaluation_ =
+      fmt::format("{} updates: {}", Thousands(evaluated->updates), ReportLine(evaluated->report));
   display_.Message(fmt::format("{} after {}", final ? "final evaluation" : "evaluation", last_evaluation_));
   if (final) {
     results_.SetFinal(evaluated_at_, evaluated->report);

@@ -81,7 +81,7 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
   const bool evaluating = evaluator_.running();
   if (!monitor_) return evaluating ? "running and evaluating" : "running";
   if (summary.updates_per_s > 0.0) return evaluating ? "training and evaluating" : "training";
-  const auto needed = static_cast<double>(config_.replay.min_size);
+  const double needed = config_.replay.min_size;
   if (summary.replay_frames < needed) {
     return fmt::format("waiting for {} frames before training: {} so far", Thousands(needed),
                        Thousands(summary.replay_frames));
@@ -92,8 +92,8 @@ std::string TrainingRun::PhaseText(const ClusterSummary& summary) const {
 Progress TrainingRun::MakeProgress() const {
   Progress progress;
   progress.summary = Summarize();
-  progress.summary.episodes += static_cast<double>(earlier_episodes_);
-  progress.summary.env_steps += static_cast<double>(earlier_env_steps_);
+  progress.summary.episodes += earlier_episodes_;
+  progress.summary.env_steps += earlier_env_steps_;
   progress.title = fmt::format("dadrl train {}  ({})", config_.scenario, paths_.root.string());
   progress.phase = PhaseText(progress.summary);
   progress.elapsed_s = results_.earlier_s() + (phase_ == Phase::kTraining ? SessionSeconds() : trained_s_);

@@ -66,7 +66,7 @@ std::string SilentRole(const ClusterSummary& summary) {
   return "";
 }
 
-int Percent(double fraction) { return static_cast<int>(std::lround(100.0 * fraction)); }
+int Percent(double fraction) { return std::lround(100.0 * fraction); }
 
 }  // namespace
 
@@ -87,7 +87,7 @@ std::string DescribeBottleneck(const ClusterSummary& summary, const Config& conf
     return fmt::format("{}: {}", first.process, first.fault.text);
   }
   if (std::string silent = SilentRole(summary); !silent.empty()) return silent;
-  const auto min_size = static_cast<double>(config.replay.min_size);
+  const double min_size = config.replay.min_size;
   if (summary.replay_frames < min_size && summary.updates_per_s == 0.0) {
     return fmt::format("actors: training starts at {} frames, the replay holds {}", Thousands(min_size),
                        Thousands(summary.replay_frames));

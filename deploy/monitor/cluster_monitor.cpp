@@ -28,9 +28,9 @@ void ClusterMonitor::Poll(Duration timeout) {
 ClusterSummary ClusterMonitor::Summarize() const {
   ClusterSummary summary = view_.Summarize(clock_.Now());
   for (const auto& [kind, count] : subscriber_->refusals()) {
-    summary.rejected["telemetry: " + kind] = static_cast<double>(count);
+    summary.rejected["telemetry: " + kind] = count;
   }
-  if (surplus_ > 0) summary.rejected["telemetry: too many processes"] = static_cast<double>(surplus_);
+  if (surplus_ > 0) summary.rejected["telemetry: too many processes"] = surplus_;
   return summary;
 }
 

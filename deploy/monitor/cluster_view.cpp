@@ -61,12 +61,11 @@ int DisplayOrder(dds::Role role) {
   }
 }
 
-std::array<double, ActivityTotals::kSize> Shares(const ActivityTotals& first, const ActivityTotals& last) {
-  std::array<double, ActivityTotals::kSize> shares{};
+EnumArray<Activity, double> Shares(const ActivityTotals& first, const ActivityTotals& last) {
+  EnumArray<Activity, double> shares{};
   double sum = 0.0;
   for (size_t i = 0; i < shares.size(); ++i) {
-    const auto activity = static_cast<Activity>(i);
-    shares[i] = std::max(0.0, last[activity].seconds - first[activity].seconds);
+    shares[i] = std::max(0.0, last[i].seconds - first[i].seconds);
     sum += shares[i];
   }
   for (double& share : shares) share = sum > 0.0 ? share / sum : 0.0;
@@ -75,11 +74,11 @@ std::array<double, ActivityTotals::kSize> Shares(const ActivityTotals& first, co
 
 void AppendWaits(const ProcessRow& row, std::vector<Wait>& waits) {
   if (row.stale) return;
-  for (size_t i = static_cast<size_t>(Activity::kWork) + 1; i < row.share.size(); ++i) {
-    const auto activity = static_cast<Activity>(i);
+  for (size_t i = 0; i < row.share.size(); ++i) {
+    const Activity activity = row.share.At(i);
     const TimeSpent& spent = row.activities[activity];
-    if (spent.count == 0) continue;
-    waits.push_back({row.name, std::string(ActivityName(activity)), row.share[i], spent});
+    if (activity == Activity::kWork || spent.count == 0) continue;
+    waits.push_back({row.name, std::string(ActivityName(activity)), row.share[activity], spent});
   }
 }
 
@@ -100,8 +99,8 @@ void AddRecentEpisodes(const std::deque<EpisodeReport>& episodes, ClusterSummary
   if (episodes.empty()) return;
   std::array<double*, 4> rates = {&summary.recent_success, &summary.recent_collision,
                                   &summary.recent_off_road, &summary.recent_stagnation};
-  const double part = 1.0 / static_cast<double>(episodes.size());
-  summary.recent_episodes = static_cast<int>(episodes.size());
+  const double part = 1.0 / episodes.size();
+  summary.recent_episodes = std::ssize(episodes);
   for (const EpisodeReport& report : episodes) {
     *rates[static_cast<size_t>(report.outcome)] += part;
     summary.recent_return += part * report.episode_return;
@@ -194,7 +193,7 @@ double ClusterView::Total(dds::Role role, Metric metric) const {
   double total = 0.0;
   for (const auto& [key, process] : processes_) {
     if (key.first != role) continue;
-    total += process.before[static_cast<size_t>(metric)] + process.history.back()[metric];
+    total += process.before[metric] + process.history.back()[metric];
   }
   return total;
 }
@@ -275,9 +274,9 @@ ClusterSummary ClusterView::Summarize(TimePoint now) const {
 }
 
 int ClusterView::ReportingProcesses(TimePoint now) const {
-  return static_cast<int>(std::count_if(processes_.begin(), processes_.end(), [&](const auto& entry) {
+  return std::count_if(processes_.begin(), processes_.end(), [&](const auto& entry) {
     return entry.second.history.size() > 1 && !Stale(entry.second, now);
-  }));
+  });
 }
 
 }  // namespace dadrl

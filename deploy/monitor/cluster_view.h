@@ -2,7 +2,6 @@
 // and no clock in here.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "common/util/clock.h"
+#include "common/util/enum_array.h"
 #include "proto/telemetry.h"
 
 namespace dadrl {
@@ -49,15 +49,15 @@ struct ProcessRow {
   std::string state;
   std::string trouble;
   int hangs = 0;
-  double steps_per_s = 0.0;  // of what it produces: environment steps, inserted frames, updates
-  std::array<double, ActivityTotals::kSize> share{};  // of its time, by Activity, over the window
-  ActivityTotals activities;                          // since it started
-  std::array<double, static_cast<size_t>(Metric::kCount)> metrics{};
+  double steps_per_s = 0.0;             // of what it produces: environment steps, inserted frames, updates
+  EnumArray<Activity, double> share{};  // of its time, over the window
+  ActivityTotals activities;            // since it started
+  EnumArray<Metric, double> metrics{};
   std::vector<Fault> faults;
   std::vector<NamedScalar> scalars;  // of the last message that had any
 
-  double operator[](Metric metric) const { return metrics[static_cast<size_t>(metric)]; }
-  double Share(Activity activity) const { return share[static_cast<size_t>(activity)]; }
+  double operator[](Metric metric) const { return metrics[metric]; }
+  double Share(Activity activity) const { return share[activity]; }
 };
 
 struct RecentRate {
@@ -125,7 +125,7 @@ class ClusterView {
     TimePoint received{};
     int restarts = 0;
     // Counters of earlier incarnations, last heard values.
-    std::array<double, static_cast<size_t>(Metric::kCount)> before{};
+    EnumArray<Metric, double> before{};
   };
   using Key = std::pair<dds::Role, int>;
 

@@ -18,13 +18,11 @@ Json MeanMaxJson(const MeanMax& value) { return {{"mean", Finite(value.mean)}, {
 Json ProcessJson(const ProcessRow& row) {
   Json shares = Json::object();
   for (size_t i = 0; i < row.share.size(); ++i) {
-    if (row.share[i] > 0.0)
-      shares[std::string(ActivityName(static_cast<Activity>(i)))] = Finite(row.share[i]);
+    if (row.share[i] > 0.0) shares[std::string(ActivityName(row.share.At(i)))] = Finite(row.share[i]);
   }
   Json metrics = Json::object();
   for (size_t i = 0; i < row.metrics.size(); ++i) {
-    if (row.metrics[i] != 0.0)
-      metrics[std::string(MetricName(static_cast<Metric>(i)))] = Finite(row.metrics[i]);
+    if (row.metrics[i] != 0.0) metrics[std::string(MetricName(row.metrics.At(i)))] = Finite(row.metrics[i]);
   }
   for (const NamedScalar& scalar : row.scalars) metrics.emplace(scalar.name, Finite(scalar.value));
   return {{"name", row.name},

@@ -19,8 +19,7 @@ std::string Waits(const ClusterSummary& s, const std::string& process) {
   std::string now, before;
   for (const Wait& wait : s.waits) {
     if (wait.who != process) continue;
-    const std::string spent =
-        fmt::format("{}x, {:.1f} s", Thousands(static_cast<double>(wait.spent.count)), wait.spent.seconds);
+    const std::string spent = fmt::format("{}x, {:.1f} s", Thousands(wait.spent.count), wait.spent.seconds);
     if (const double percent = std::round(100.0 * wait.fraction); percent > 0.0) {
       now += fmt::format(", waits {:.0f} % for {} ({})", percent, wait.for_what, spent);
     } else {

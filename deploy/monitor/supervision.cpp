@@ -22,8 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kMaxBytes = uint64_t{4} << 20;
-constexpr uint64_t kMaxPid = INT32_MAX;
-constexpr uint64_t kMaxCount = 1'000'000;
+constexpr int kMaxPid = INT32_MAX;
+constexpr int kMaxCount = 1'000'000;
 constexpr size_t kMaxText = 1000;
 
 Json ProcessJson(const SupervisedProcess& process) {
@@ -34,14 +34,14 @@ Json ProcessJson(const SupervisedProcess& process) {
 
 SupervisedProcess ProcessFrom(JsonFields& fields) {
   return {.name = fields.Text("name", kMaxText),
-          .pid = static_cast<pid_t>(fields.Whole("pid", kMaxPid)),
+          .pid = fields.Whole("pid", kMaxPid),
           .state = fields.Text("state", kMaxText),
           .trouble = fields.Text("trouble", kMaxText),
           .fault = fields.Text("fault", kMaxText),
-          .restarts = static_cast<int>(fields.Whole("restarts", kMaxCount)),
-          .hangs = static_cast<int>(fields.Whole("hangs", kMaxCount)),
+          .restarts = fields.Whole("restarts", kMaxCount),
+          .hangs = fields.Whole("hangs", kMaxCount),
           .last_end = fields.Text("last_end", kMaxText),
-          .since_ns = static_cast<int64_t>(fields.Whole("since_ns", INT64_MAX))};
+          .since_ns = fields.Whole("since_ns", INT64_MAX)};
 }
 
 // "PID (name) T ...": stopped by a signal, and not by a debugger (t).
@@ -79,7 +79,7 @@ std::string SupervisionJson(const Supervision& supervision) {
 Result<Supervision> ParseSupervision(const std::string& text) {
   DADRL_ASSIGN_OR_RETURN(const Json json, ParseJson(text, "list of processes"));
   JsonFields fields(json);
-  Supervision supervision{.launcher = static_cast<pid_t>(fields.Whole("launcher", kMaxPid)), .processes = {}};
+  Supervision supervision{.launcher = fields.Whole("launcher", kMaxPid), .processes = {}};
   const Json* const processes = fields.Find("processes");
   if (processes == nullptr || !processes->is_array()) fields.Refuse("processes");
   if (!fields.ok()) return Fail(ErrorCode::kCorrupt, "list of processes: bad '{}'", fields.bad());

@@ -50,7 +50,7 @@ Status PackBits(const std::filesystem::path& path, const NpyArray<uint8_t>& arra
                   "{}: observation {} has a pixel of {}, only 0 and 1 are allowed", path.string(),
                   i * array.shape.front() / array.values.size(), array.values[i]);
     }
-    bits[i / 8] |= static_cast<uint8_t>(array.values[i] << (i % 8));
+    bits[i / 8] |= array.values[i] << (i % 8);
   }
   return {};
 }
@@ -60,7 +60,7 @@ Status PackBits(const std::filesystem::path& path, const NpyArray<uint8_t>& arra
 Status LoadColumn(const std::filesystem::path& path, const StepSpec& spec, size_t index,
                   std::optional<Columns>& batch) {
   const auto fits = [&](size_t rows) -> Status {
-    if (!batch) batch.emplace(spec, static_cast<int>(rows));
+    if (!batch) batch.emplace(spec, rows);
     if (std::cmp_equal(rows, batch->rows())) return {};
     return Fail(ErrorCode::kInvalidArgument,
                 "{} holds {} observations, the first column {}: record them together", path.string(), rows,

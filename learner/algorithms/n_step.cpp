@@ -13,9 +13,9 @@ Transitions NStepReturns::Of(const TrajectoryBatch& batch) {
     double sum = 0.0;
     double factor = 1.0;
     for (size_t t = 0; std::cmp_less(t, batch.steps[i]); ++t, factor *= gamma_) {
-      sum += factor * static_cast<double>(batch.rewards[t * count + i]);
+      sum += factor * double{batch.rewards[t * count + i]};
     }
-    reward_[i] = static_cast<float>(sum);
+    reward_[i] = sum;
     discount_[i] = batch.terminated[i] != 0 ? 0.0f : static_cast<float>(factor);
   }
   return {.observation = batch.ObservationsAt(0),

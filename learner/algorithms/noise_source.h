@@ -25,7 +25,7 @@ class GaussianNoise final : public NoiseSource {
 
   void Fill(std::span<float> values) override {
     Random random(state_);
-    for (float& value : values) value = static_cast<float>(random.Normal());
+    for (float& value : values) value = random.Normal();
     state_ = random.state();
   }
   std::span<std::byte> state() override { return std::as_writable_bytes(std::span(state_.words)); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace dadrl {
 
@@ -17,13 +16,11 @@ float& At(LaneSpan span, int row, int i) { return span.block(i / kLanes)[row * k
 size_t Index(int i) { return static_cast<size_t>(i); }
 
 void Clear(LaneSpan span, int features, int samples) {
-  for (int b = 0; b * kLanes < samples; ++b) {
-    std::memset(span.block(b), 0, static_cast<size_t>(features * kLanes) * sizeof(float));
-  }
+  for (int b = 0; b * kLanes < samples; ++b) std::fill_n(span.block(b), features * kLanes, 0.0f);
 }
 
 // NaN in either is NaN in the result, unlike std::min.
-double Smaller(float a, float b) { return static_cast<double>(a <= b || std::isnan(a) ? a : b); }
+double Smaller(float a, float b) { return a <= b || std::isnan(a) ? a : b; }
 
 }  // namespace
 
@@ -34,12 +31,11 @@ void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, st
     double log_probability = 0.0;
     for (int d = 0; d < kActionSize; ++d) {
       const nn::SquashedSample sample = nn::SampleSquashed(
-          static_cast<double>(At(workspace.policy_output, d, i)),
-          static_cast<double>(At(workspace.policy_output, kActionSize + d, i)),
-          static_cast<double>(noise[Index((workspace.first_sample + i) * kActionSize + d)]), limits);
+          At(workspace.policy_output, d, i), At(workspace.policy_output, kActionSize + d, i),
+          noise[Index((workspace.first_sample + i) * kActionSize + d)], limits);
       actions.dimensions[Index(i * kActionSize + d)] = sample;
       log_probability += sample.log_probability;
-      At(critic_input, features + d, i) = static_cast<float>(sample.action);
+      At(critic_input, features + d, i) = sample.action;
     }
     actions.log_probability[Index(i)] = log_probability;
   }
@@ -50,8 +46,7 @@ void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, double al
     const size_t sample = Index(workspace.first_sample + i);
     const double value = Smaller(At(workspace.critic1.value, 0, i), At(workspace.critic2.value, 0, i)) -
                          alpha * workspace.actions.log_probability[Index(i)];
-    workspace.targets[Index(i)] = static_cast<float>(static_cast<double>(batch.reward[sample]) +
-                                                     static_cast<double>(batch.discount[sample]) * value);
+    workspace.targets[Index(i)] = batch.reward[sample] + batch.discount[sample] * value;
   }
 }
 
@@ -62,17 +57,17 @@ void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<flo
   SacSums sums;
   for (int i = 0; i < workspace.samples; ++i) {
     const size_t sample = Index(workspace.first_sample + i);
-    const double weight = static_cast<double>(batch.weight[sample]);
-    const double target = static_cast<double>(workspace.targets[Index(i)]);
-    const double error1 = static_cast<double>(At(workspace.critic1.value, 0, i)) - target;
-    const double error2 = static_cast<double>(At(workspace.critic2.value, 0, i)) - target;
-    At(workspace.critic1.value_gradient, 0, i) = static_cast<float>(scale * weight * error1);
-    At(workspace.critic2.value_gradient, 0, i) = static_cast<float>(scale * weight * error2);
+    const double weight = batch.weight[sample];
+    const double target = workspace.targets[Index(i)];
+    const double error1 = At(workspace.critic1.value, 0, i) - target;
+    const double error2 = At(workspace.critic2.value, 0, i) - target;
+    At(workspace.critic1.value_gradient, 0, i) = scale * weight * error1;
+    At(workspace.critic2.value_gradient, 0, i) = scale * weight * error2;
     sums.weighted_squares1 += weight * error1 * error1;
     sums.weighted_squares2 += weight * error2 * error2;
     sums.q += target + 0.5 * (error1 + error2);
     sums.target += target;
-    td_error[sample] = static_cast<float>(std::abs(0.5 * (error1 + error2)));
+    td_error[sample] = std::abs(0.5 * (error1 + error2));
   }
   workspace.sums = sums;
 }
@@ -80,7 +75,7 @@ void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<flo
 void ActorValueGradient(SacWorkspace& workspace, int batch_size, double alpha) {
   Clear(workspace.critic1.value_gradient, 1, workspace.samples);
   Clear(workspace.critic2.value_gradient, 1, workspace.samples);
-  const float gradient = -1.0f / static_cast<float>(batch_size);
+  const float gradient = -1.0f / batch_size;
   for (int i = 0; i < workspace.samples; ++i) {
     const float value1 = At(workspace.critic1.value, 0, i);
     const float value2 = At(workspace.critic2.value, 0, i);
@@ -98,14 +93,14 @@ void ActorOutputGradient(SacWorkspace& workspace, int batch_size, double alpha,
   const double log_probability_gradient = alpha / batch_size;
   for (int i = 0; i < workspace.samples; ++i) {
     for (int d = 0; d < kActionSize; ++d) {
-      const double action_gradient = static_cast<double>(At(workspace.critic1.action_gradient, d, i)) +
-                                     static_cast<double>(At(workspace.critic2.action_gradient, d, i));
-      const nn::SquashedGradient gradient = nn::SquashedBackward(
-          workspace.actions.dimensions[Index(i * kActionSize + d)],
-          static_cast<double>(noise[Index((workspace.first_sample + i) * kActionSize + d)]), action_gradient,
-          log_probability_gradient);
-      At(workspace.policy_output_gradient, d, i) = static_cast<float>(gradient.mean);
-      At(workspace.policy_output_gradient, kActionSize + d, i) = static_cast<float>(gradient.log_std);
+      const double action_gradient = double{At(workspace.critic1.action_gradient, d, i)} +
+                                     double{At(workspace.critic2.action_gradient, d, i)};
+      const nn::SquashedGradient gradient =
+          nn::SquashedBackward(workspace.actions.dimensions[Index(i * kActionSize + d)],
+                               noise[Index((workspace.first_sample + i) * kActionSize + d)], action_gradient,
+                               log_probability_gradient);
+      At(workspace.policy_output_gradient, d, i) = gradient.mean;
+      At(workspace.policy_output_gradient, kActionSize + d, i) = gradient.log_std;
     }
   }
 }

@@ -130,7 +130,7 @@ void Sac::ActorPass(const Transitions& batch, SacWorkspace& workspace) {
 }
 
 void Sac::UpdateShare(const Transitions& batch, int member) {
-  SacWorkspace& workspace = workspaces_[static_cast<size_t>(member)];
+  SacWorkspace& workspace = workspaces_.data()[member];
   PackShare(batch, workspace, member);
   if (workspace.samples > 0) {
     TargetPass(batch, workspace);
@@ -151,7 +151,7 @@ void Sac::UpdateShare(const Transitions& batch, int member) {
 
 void Sac::StepCritic(int member) {
   const nn::Range share = nn::ShareOf({0, critic_.layout.size()}, member, team_.size());
-  workspaces_[static_cast<size_t>(member)].finite = nn::ApplyAdam(
+  workspaces_.data()[member].finite = nn::ApplyAdam(
       kernels_,
       {.learning_rate = config_.algorithm.critic_learning_rate, .epsilon = config_.algorithm.adam_epsilon},
       {.range = share,
@@ -173,7 +173,7 @@ void Sac::StepCritic(int member) {
 void Sac::StepPolicy(int member) {
   const nn::Range trained = shared() ? policy_.head_range : nn::Range{0, policy_.layout.size()};
   const nn::Range share = nn::ShareOf(trained, member, team_.size());
-  workspaces_[static_cast<size_t>(member)].finite = nn::ApplyAdam(
+  workspaces_.data()[member].finite = nn::ApplyAdam(
       kernels_,
       {.learning_rate = config_.algorithm.actor_learning_rate, .epsilon = config_.algorithm.adam_epsilon},
       {.range = share,
@@ -182,7 +182,7 @@ void Sac::StepPolicy(int member) {
        .gradients = policy_gradients_,
        .step = updates_ + 1});
   // Early on the average is short, or the random start would linger in it for 1 / (1 - decay) updates.
-  const double count = static_cast<double>(updates_);
+  const double count = updates_;
   const double decay = std::min(config_.algorithm.average_decay, (1.0 + count) / (10.0 + count));
   team_.Barrier();
   const nn::Range averaged = nn::ShareOf({0, policy_.layout.size()}, member, team_.size());

@@ -29,7 +29,7 @@ inline float FloatFromHalf(uint16_t half) {
   const uint32_t magnitude = half & 0x7fff;
   if (magnitude >= 0x7c00) return std::bit_cast<float>(sign | 0x7f800000 | magnitude << 13);
   if (magnitude < 0x0400) {
-    const float value = static_cast<float>(magnitude) * 0x1p-24f;
+    const float value = magnitude * 0x1p-24f;
     return std::bit_cast<float>(sign | std::bit_cast<uint32_t>(value));
   }
   return std::bit_cast<float>(sign | ((magnitude << 13) + (uint32_t{112} << 23)));

@@ -18,7 +18,7 @@ struct Float16 {
   static constexpr uint32_t kInfinity = 0x7c00;
   static constexpr uint32_t kOne = 0x3c00;
   static uint32_t ToBits(float value) { return HalfFromFloat(value); }
-  static float FromBits(uint32_t bits) { return FloatFromHalf(static_cast<uint16_t>(bits)); }
+  static float FromBits(uint32_t bits) { return FloatFromHalf(bits); }
 };
 
 struct Float32 {
@@ -88,21 +88,22 @@ void EncodeColumn(const float* oldest, int history, int stride, BitWriter& out) 
   const uint32_t newest = bits_at(history - 1);
   PutNewest<Float>(newest, out);
   std::array<uint32_t, kMaxHistoryRows> codes;
+  size_t count = 0;
   uint32_t all = 0;
   uint32_t previous = Ordered<Float>(newest);
-  for (int row = history - 2, i = 0; row >= 0; --row, ++i) {
+  for (int row = history - 2; row >= 0; --row) {
     const uint32_t ordered = Ordered<Float>(bits_at(row));
-    codes[static_cast<size_t>(i)] = ZigZag<Float>(ordered - previous);
-    all |= codes[static_cast<size_t>(i)];
+    codes[count] = ZigZag<Float>(ordered - previous);
+    all |= codes[count++];
     previous = ordered;
   }
   if (all == 0) {
     out.Put(0, 1);
     return;
   }
-  const auto width = static_cast<int>(std::bit_width(all));
+  const int width = 32 - std::countl_zero(all);
   out.Put(1u | static_cast<uint32_t>(width - 1) << 1, 1 + Float::kWidthBits);
-  for (int i = 0; i < history - 1; ++i) out.Put(codes[static_cast<size_t>(i)], width);
+  for (size_t i = 0; i < count; ++i) out.Put(codes[i], width);
 }
 
 template <typename Float>

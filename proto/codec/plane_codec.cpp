@@ -21,12 +21,12 @@ struct Row {
 
 // Columns at which the colour differs from the column before; column -1 is 0.
 struct Edges {
-  int count = 0;
+  size_t count = 0;
   std::array<uint8_t, kSize> columns;
 
   void Append(uint64_t changes, int first_column) {
     for (; changes != 0; changes &= changes - 1) {
-      columns[static_cast<size_t>(count++)] = static_cast<uint8_t>(first_column + std::countr_zero(changes));
+      columns[count++] = first_column + std::countr_zero(changes);
     }
   }
   void From(const Row& row) {
@@ -36,8 +36,8 @@ struct Edges {
   }
   Row ToRow() const {
     Row row;
-    for (int i = 0; i < count; ++i) {
-      const int column = columns[static_cast<size_t>(i)];
+    for (size_t i = 0; i < count; ++i) {
+      const int column = columns[i];
       if (column < 64) {
         row.low ^= ~uint64_t{0} << column;
         row.high = ~row.high;
@@ -99,7 +99,7 @@ int GetShift(BitReader& in) {
 // Bits of coding `edges` by shifts of `above`; their number must agree.
 int ShiftedBits(const Edges& edges, const Edges& above) {
   int bits = 2;
-  for (size_t i = 0; i < static_cast<size_t>(edges.count); ++i) {
+  for (size_t i = 0; i < edges.count; ++i) {
     bits += ShiftBits(edges.columns[i] - above.columns[i]);
   }
   return bits;
@@ -116,38 +116,38 @@ void PutRow(const Row& row, const Edges& edges, const Edges& above, BitWriter& o
     }
   } else if (shifted_bits <= listed_bits) {
     out.Put(0b10, 2);
-    for (size_t i = 0; i < static_cast<size_t>(edges.count); ++i) {
+    for (size_t i = 0; i < edges.count; ++i) {
       PutShift(edges.columns[i] - above.columns[i], out);
     }
   } else {
     out.Put(0b100, 3);
-    out.Put(static_cast<uint32_t>(edges.count), 8);
-    for (size_t i = 0; i < static_cast<size_t>(edges.count); ++i) out.Put(edges.columns[i], 7);
+    out.Put(edges.count, 8);
+    for (size_t i = 0; i < edges.count; ++i) out.Put(edges.columns[i], 7);
   }
 }
 
 // Reads the edges of one row over those of the row above. False when they are out of order or range.
 bool GetShiftedEdges(BitReader& in, Edges& edges) {
   int previous = -1;
-  for (size_t i = 0; i < static_cast<size_t>(edges.count); ++i) {
+  for (size_t i = 0; i < edges.count; ++i) {
     const int column = edges.columns[i] + GetShift(in);
     if (column <= previous || column >= kSize) return false;
-    edges.columns[i] = static_cast<uint8_t>(column);
+    edges.columns[i] = column;
     previous = column;
   }
   return true;
 }
 
 bool GetListedEdges(BitReader& in, Edges& edges) {
-  const auto count = static_cast<int>(in.Get(8));
+  const uint32_t count = in.Get(8);
   if (count > kSize) return false;
   edges.count = count;
-  int previous = -1;
-  for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
-    const auto column = static_cast<int>(in.Get(7));
-    if (column <= previous) return false;
-    edges.columns[i] = static_cast<uint8_t>(column);
-    previous = column;
+  uint32_t least = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t column = in.Get(7);
+    if (column < least) return false;
+    edges.columns[i] = column;
+    least = column + 1;
   }
   return true;
 }

@@ -1,9 +1,10 @@
 #include "proto/evaluation/collision_summary.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "common/util/enum_array.h"
 
 namespace dadrl {
 namespace {
@@ -12,14 +13,15 @@ constexpr double kStandingSpeed = 0.5;
 constexpr double kSameWay = std::numbers::pi / 4;
 constexpr double kOncoming = 3 * std::numbers::pi / 4;
 
-constexpr std::array<std::string_view, 4> kSideNames = {"front", "left", "right", "rear"};
-constexpr std::array<std::string_view, 4> kChangerNames = {"nobody", "ego", "other", "both"};
+constexpr EnumArray<ContactSide, std::string_view, 4> kSideNames = {"front", "left", "right", "rear"};
+constexpr EnumArray<LaneChanger, std::string_view, 4> kChangerNames = {"nobody", "ego", "other", "both"};
 
 template <typename Enum>
-std::optional<Enum> FromName(const std::array<std::string_view, 4>& names, std::string_view name) {
-  const auto it = std::ranges::find(names, name);
-  if (it == names.end()) return std::nullopt;
-  return static_cast<Enum>(it - names.begin());
+std::optional<Enum> FromName(const EnumArray<Enum, std::string_view, 4>& names, std::string_view name) {
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) return names.At(i);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -34,13 +36,11 @@ std::string_view CollisionKind(const CollisionSummary& collision) {
   return turn >= kOncoming ? "oncoming" : "crossing";
 }
 
-std::string_view ContactSideName(ContactSide side) { return kSideNames[static_cast<size_t>(side)]; }
-std::optional<ContactSide> ContactSideFromName(std::string_view name) {
-  return FromName<ContactSide>(kSideNames, name);
-}
-std::string_view LaneChangerName(LaneChanger changer) { return kChangerNames[static_cast<size_t>(changer)]; }
+std::string_view ContactSideName(ContactSide side) { return kSideNames[side]; }
+std::optional<ContactSide> ContactSideFromName(std::string_view name) { return FromName(kSideNames, name); }
+std::string_view LaneChangerName(LaneChanger changer) { return kChangerNames[changer]; }
 std::optional<LaneChanger> LaneChangerFromName(std::string_view name) {
-  return FromName<LaneChanger>(kChangerNames, name);
+  return FromName(kChangerNames, name);
 }
 
 }  // namespace dadrl

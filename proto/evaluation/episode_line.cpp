@@ -26,7 +26,7 @@ std::string OneLine(const nlohmann::ordered_json& json) {
 
 // What a measured field may come to: far beyond any, and still a number to compute with.
 constexpr double kLargest = 1e9;
-constexpr uint64_t kMostSteps = 1'000'000'000;
+constexpr int kMostSteps = 1'000'000'000;
 
 tl::unexpected<Error> Wrong(const std::string& field) {
   return Fail(ErrorCode::kCorrupt, "an episode line without a possible '{}'", field);
@@ -112,7 +112,7 @@ Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {
   JsonFields fields(json);
   EvaluatedEpisode episode;
   EpisodeSummary& summary = episode.summary;
-  episode.group = static_cast<int>(fields.Whole("group", kMaxSeedGroups));
+  episode.group = fields.Whole("group", kMaxSeedGroups);
   summary.seed = fields.Whole("seed", UINT64_MAX);
   summary.scenario = fields.Text("scenario", kMaxName);
   if (fields.Has("error")) {
@@ -122,7 +122,7 @@ Result<EvaluatedEpisode> ParseEpisodeLine(std::string_view line) {
   }
   const std::optional<Outcome> outcome = OutcomeFromName(fields.Text("outcome", kMaxName));
   if (!outcome) fields.Refuse("outcome");
-  summary.steps = static_cast<int>(fields.Whole("steps", kMostSteps));
+  summary.steps = fields.Whole("steps", kMostSteps);
   for (const SummaryField& field : kSummaryFields) {
     summary.*field.value = fields.Number(field.name, -kLargest, kLargest);
   }

@@ -49,7 +49,7 @@ struct EvaluatedEpisode {
 // No such line is longer, nor one of a rendered episode; nor is a scenario's or an outcome's name.
 constexpr size_t kMaxEpisodeLine = size_t{1} << 16;
 constexpr size_t kMaxName = 255;
-constexpr uint64_t kMaxSeedGroups = 1'000'000;
+constexpr int kMaxSeedGroups = 1'000'000;
 
 // Without a line break. Round-trips exactly.
 std::string EpisodeLine(const EvaluatedEpisode& episode);

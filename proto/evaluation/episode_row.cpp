@@ -64,9 +64,8 @@ const std::string& RunEpisodeColumns() {
 
 std::string ActorEpisodeRow(const TrainingEpisode& episode) {
   const EpisodeSummary& summary = episode.summary;
-  std::string row = fmt::format("{:.3f},{},{},{},{},{}", 1e-9 * static_cast<double>(episode.wall_time_ns),
-                                episode.incarnation, episode.episode, summary.seed,
-                                OutcomeName(summary.outcome), summary.steps);
+  std::string row = fmt::format("{:.3f},{},{},{},{},{}", 1e-9 * episode.wall_time_ns, episode.incarnation,
+                                episode.episode, summary.seed, OutcomeName(summary.outcome), summary.steps);
   for (const SummaryField& field : kSummaryFields) row += fmt::format(",{:.6g}", summary.*field.value);
   return row + fmt::format(",{},{}\n", episode.policy_version, CsvCell(summary.scenario));
 }

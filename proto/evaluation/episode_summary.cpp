@@ -1,16 +1,18 @@
 #include "proto/evaluation/episode_summary.h"
 
 #include <algorithm>
-#include <array>
+
+#include "common/util/enum_array.h"
 
 namespace dadrl {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames = {"success", "collision", "off_road", "stagnation"};
+constexpr EnumArray<Outcome, std::string_view, kOutcomes> kNames = {"success", "collision", "off_road",
+                                                                    "stagnation"};
 
 }  // namespace
 
-std::string_view OutcomeName(Outcome outcome) { return kNames[static_cast<size_t>(outcome)]; }
+std::string_view OutcomeName(Outcome outcome) { return kNames[outcome]; }
 
 std::optional<Outcome> OutcomeFromName(std::string_view name) {
   const auto it = std::ranges::find(kNames, name);

@@ -12,6 +12,7 @@ namespace dadrl {
 
 // The integers travel in telemetry: append only.
 enum class Outcome { kSuccess, kCollision, kOffRoad, kStagnation };
+constexpr size_t kOutcomes = 4;
 
 // "success", "collision", "off_road", "stagnation".
 std::string_view OutcomeName(Outcome outcome);

@@ -8,7 +8,7 @@ namespace {
 // An animation's episode has a file a step: a hundred thousand names.
 constexpr size_t kMaxRenderedLine = size_t{64} << 20;
 constexpr double kLargest = 1e9;
-constexpr uint64_t kMostSteps = 1'000'000'000;
+constexpr int kMostSteps = 1'000'000'000;
 
 bool ReadNames(const nlohmann::ordered_json* list, std::vector<std::string>& names) {
   if (list == nullptr || !list->is_array()) return false;
@@ -42,7 +42,7 @@ Result<RenderedEpisode> ParseRenderedLine(std::string_view line) {
   episode.seed = fields.Whole("seed", UINT64_MAX);
   const auto outcome = OutcomeFromName(fields.Text("outcome", kMaxRenderedLine));
   if (!outcome) fields.Refuse("outcome");
-  episode.steps = static_cast<int>(fields.Whole("steps", kMostSteps));
+  episode.steps = fields.Whole("steps", kMostSteps);
   episode.episode_return = fields.Number("return", -kLargest, kLargest);
   episode.sentence = fields.Text("sentence", kMaxRenderedLine);
   episode.error = fields.Text("error", kMaxRenderedLine);

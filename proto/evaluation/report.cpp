@@ -17,11 +17,11 @@ double Median(std::vector<double> values) {
 
 EvaluationFigures FiguresOf(const std::vector<const EpisodeSummary*>& episodes) {
   EvaluationFigures figures;
-  figures.episodes = static_cast<int>(episodes.size());
+  figures.episodes = std::ssize(episodes);
   if (episodes.empty()) return figures;
-  const auto n = static_cast<double>(episodes.size());
+  const double n = episodes.size();
   const auto measure = [&](Outcome outcome, double& rate, std::pair<double, double>& interval) {
-    const auto count = static_cast<int>(std::ranges::count(episodes, outcome, &EpisodeSummary::outcome));
+    const int count = std::ranges::count(episodes, outcome, &EpisodeSummary::outcome);
     rate = count / n;
     interval = WilsonInterval(count, figures.episodes);
   };

@@ -39,7 +39,7 @@ void HeapSelector::Settle(size_t index) {
 
 void HeapSelector::Place(size_t index, const Entry& entry) {
   heap_[index] = entry;
-  position_[entry.slot] = static_cast<uint32_t>(index);
+  position_[entry.slot] = index;
 }
 
 }  // namespace dadrl

@@ -6,7 +6,7 @@ namespace dadrl {
 
 void UniformSelector::Insert(uint32_t slot, double) {
   if (slot >= position_.size()) position_.resize(slot + size_t{1});
-  position_[slot] = static_cast<uint32_t>(slots_.size());
+  position_[slot] = slots_.size();
   slots_.push_back(slot);
 }
 
@@ -20,10 +20,10 @@ void UniformSelector::Delete(uint32_t slot) {
 void UniformSelector::SampleMany(Random& random, std::span<Choice> choices) {
   // Asked for before the first is read, so that the cache misses overlap.
   for (Choice& choice : choices) {
-    choice.slot = static_cast<uint32_t>(random.Below(slots_.size()));
+    choice.slot = random.Below(slots_.size());
     Prefetch(&slots_[choice.slot], 1);
   }
-  const double probability = 1.0 / static_cast<double>(slots_.size());
+  const double probability = 1.0 / slots_.size();
   for (Choice& choice : choices) choice = {slots_[choice.slot], probability};
 }
 

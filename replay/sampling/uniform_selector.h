@@ -13,7 +13,7 @@ class UniformSelector final : public Selector {
   void Delete(uint32_t slot) override;
   void Update(uint32_t, double) override {}
   Choice Sample(Random& random) override {
-    return {slots_[random.Below(slots_.size())], 1.0 / static_cast<double>(slots_.size())};
+    return {slots_[random.Below(slots_.size())], 1.0 / slots_.size()};
   }
   void SampleMany(Random& random, std::span<Choice> choices) override;
   size_t size() const override { return slots_.size(); }

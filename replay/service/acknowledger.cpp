@@ -1,6 +1,7 @@
 #include "replay/service/acknowledger.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "common/liveness/working_thread.h"
 #include "common/util/log.h"
@@ -35,7 +36,7 @@ void Acknowledger::Refuse(const ChunkIdentity& identity, const ChunkRefusal& ref
                    .refused = 1,
                    .refused_sequence = identity.sequence,
                    .refusal = refusal};
-    static_cast<void>(Send(MessageTo(identity.actor, stranger)));
+    std::ignore = Send(MessageTo(identity.actor, stranger));
     return;
   }
   Actor& actor = found->second;

@@ -4,12 +4,14 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "common/config/validate.h"
 #include "common/liveness/working_thread.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
+#include "proto/borrowed_sequence.h"
 #include "proto/trajectory_codec.h"
 
 namespace dadrl {
@@ -172,7 +174,7 @@ Status BatchServer::Check(const dadrl_idl_BatchRequest& message, const Trajector
 void BatchServer::Refuse(const Request& request, const std::string& reason) {
   if (refused_.fetch_add(1) == 0) spdlog::error("refused a batch request (more are counted): {}", reason);
   std::vector<std::byte> nothing;
-  if (endpoints_.replies->matched() > 0) static_cast<void>(Reply(request, nothing, reason));
+  if (endpoints_.replies->matched() > 0) std::ignore = Reply(request, nothing, reason);
 }
 
 void BatchServer::TakePriorities() {
@@ -263,8 +265,7 @@ Status BatchServer::Reply(const Request& request, std::vector<std::byte>& bytes,
   message.frames_held = stats.items;
   message.frames_inserted = stats.inserted_frames;
   std::copy_n(refusal.data(), std::min(refusal.size(), sizeof(message.refusal) - 1), message.refusal);
-  message.bytes._buffer = reinterpret_cast<uint8_t*>(bytes.data());
-  message.bytes._length = message.bytes._maximum = static_cast<uint32_t>(bytes.size());
+  Borrow(bytes, message.bytes);
   return endpoints_.replies->Write(message);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "common/util/log.h"
@@ -76,7 +77,7 @@ void LeaseServer::OnRequest(const dadrl_idl_LeaseRequest& message) {
   sample.incarnation = answer.incarnation;
   std::copy_n(answer.reason.data(), std::min(answer.reason.size(), sizeof(sample.reason) - 1), sample.reason);
   // If it is lost, the actor asks again.
-  static_cast<void>(answers_[message.token_low % kAcknowledgementGroups]->Write(sample));
+  std::ignore = answers_[message.token_low % kAcknowledgementGroups]->Write(sample);
 }
 
 LeaseTable::Answer LeaseServer::Decide(const dadrl_idl_LeaseRequest& message) {

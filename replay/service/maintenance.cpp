@@ -61,9 +61,8 @@ bool Maintenance::Do(uint64_t job, std::function<Result<std::string>()> work) {
 }
 
 void Maintenance::DoJob(const Job& job) {
-  Done done{.job = job.id, .outcome = job.work()};
-  // Nobody took so many outcomes: nobody waits for this one.
-  static_cast<void>(done_.TryPush(done));
+  // With so many outcomes that nobody took, nobody waits for this one.
+  done_.PushOrDrop({.job = job.id, .outcome = job.work()});
 }
 
 Result<std::string> Maintenance::TakeSnapshot(const std::string& name) {
@@ -73,8 +72,8 @@ Result<std::string> Maintenance::TakeSnapshot(const std::string& name) {
   return fmt::format(
       "shard {}: snapshot {} of {:.1f} MB, {:.1f} MB of them copied; {} snapshots hold {:.1f} MB in files of "
       "their own",
-      shard_, (snapshots_ / name).string(), static_cast<double>(report.bytes) / 1e6,
-      static_cast<double>(report.copied_bytes) / 1e6, use.snapshots, static_cast<double>(use.bytes) / 1e6);
+      shard_, (snapshots_ / name).string(), report.bytes / 1e6, report.copied_bytes / 1e6, use.snapshots,
+      use.bytes / 1e6);
 }
 
 Status Maintenance::CheckSnapshots() {

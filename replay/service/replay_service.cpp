@@ -13,6 +13,7 @@
 #include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/random.h"
+#include "proto/borrowed_sequence.h"
 #include "replay/service/chunk_verifier.h"
 
 namespace dadrl {
@@ -77,11 +78,10 @@ Status ReplayService::Join() {
 
 Status ReplayService::AnnounceRun() {
   const Config& config = options_.config;
-  std::string yaml = ToYaml(config, false);
+  const std::string yaml = ToYaml(config, false);
   dadrl_idl_RunConfig message{};
   message.port = config.cluster.port;
-  message.yaml._buffer = reinterpret_cast<uint8_t*>(yaml.data());
-  message.yaml._length = message.yaml._maximum = static_cast<uint32_t>(yaml.size());
+  Borrow(yaml, message.yaml);
   DADRL_ASSIGN_OR_RETURN(run_config_, Writer<dadrl_idl_RunConfig>::Create(*node_, kRunConfigTopic));
   DADRL_RETURN_IF_ERROR(run_config_->Write(message));
   DADRL_ASSIGN_OR_RETURN(run_state_, Writer<dadrl_idl_RunState>::Create(*node_, kRunStateTopic));
@@ -150,18 +150,18 @@ void ReplayService::PublishStatus() {
   const ReplayTable::Stats table = table_->stats();
   // Its activities show the server's thread: which side is slower.
   ProcessStatus status = envelope_->Begin();
-  status[Metric::kInsertedFrames] = static_cast<double>(table.inserted_frames);
-  status[Metric::kInsertedBytes] = static_cast<double>(table.inserted_bytes);
-  status[Metric::kSampledTransitions] = static_cast<double>(table.sampled);
-  status[Metric::kSampledBytes] = static_cast<double>(server_->statistics().bytes);
+  status[Metric::kInsertedFrames] = table.inserted_frames;
+  status[Metric::kInsertedBytes] = table.inserted_bytes;
+  status[Metric::kSampledTransitions] = table.sampled;
+  status[Metric::kSampledBytes] = server_->statistics().bytes;
   std::copy(table.rejected_chunks.begin(), table.rejected_chunks.end(), &status[Metric::kRejectedGarbage]);
-  status[Metric::kDuplicateChunks] = static_cast<double>(table.duplicate_chunks);
-  status[Metric::kLostChunks] = static_cast<double>(table.lost_chunks);
-  status[Metric::kRefusedRequests] = static_cast<double>(server_->statistics().refused_requests);
-  status[Metric::kFramesHeld] = static_cast<double>(table.frames_held);
-  status[Metric::kMemoryBytes] = static_cast<double>(ResidentBytes());
-  status[Metric::kDiskBytes] = static_cast<double>(table.disk_bytes);
-  status[Metric::kSnapshotBytes] = static_cast<double>(maintenance_->snapshot_bytes());
+  status[Metric::kDuplicateChunks] = table.duplicate_chunks;
+  status[Metric::kLostChunks] = table.lost_chunks;
+  status[Metric::kRefusedRequests] = server_->statistics().refused_requests;
+  status[Metric::kFramesHeld] = table.frames_held;
+  status[Metric::kMemoryBytes] = ResidentBytes();
+  status[Metric::kDiskBytes] = table.disk_bytes;
+  status[Metric::kSnapshotBytes] = maintenance_->snapshot_bytes();
   // From the ingest thread come only the waits it alone has.
   const ActivityTotals ingest = ingest_->ledger().Read();
   for (const Activity activity : {Activity::kWaitForSamples, Activity::kWaitForDisk}) {

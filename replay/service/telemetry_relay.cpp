@@ -1,6 +1,7 @@
 #include "replay/service/telemetry_relay.h"
 
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "common/util/log.h"
@@ -32,8 +33,8 @@ void TelemetryRelay::OnPacket(const dadrl_idl_Telemetry& message) {
     return;
   }
   // Lossy on purpose: what does not leave now is out of date soon.
-  if (lcm_) static_cast<void>(lcm_->Publish(TelemetryChannel(message.is_episode), packet));
-  static_cast<void>(out_->Write(message));
+  if (lcm_) std::ignore = lcm_->Publish(TelemetryChannel(message.is_episode), packet);
+  std::ignore = out_->Write(message);
 }
 
 }  // namespace dadrl

@@ -80,7 +80,7 @@ std::vector<std::byte> EncodeReplayState(const ReplayState& state) {
   writer.Put(state.limiter.sampled);
   writer.Put(state.limiter.sample_credit);
   writer.Put(state.limiter.insert_debt);
-  writer.Put(static_cast<uint32_t>(state.limiter_change.has_value()));
+  writer.Put<uint32_t>(state.limiter_change.has_value());
   if (state.limiter_change) {
     PutOptions(state.limiter_change->configured, writer);
     PutOptions(state.limiter_change->current, writer);

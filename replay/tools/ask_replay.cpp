@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include "common/config/config_yaml.h"
 #include "common/dds/node.h"
@@ -86,7 +87,7 @@ Result<int> AskReplay(const std::filesystem::path& run_directory, dadrl_idl_Repl
     if (commands->matched() > 0 && clock.Now() >= next) {
       for (uint32_t shard = 0; shard < shards; ++shard) {
         command.shard = shard;
-        if (!heard.contains(shard)) static_cast<void>(commands->Write(command));  // is repeated
+        if (!heard.contains(shard)) std::ignore = commands->Write(command);  // is repeated
       }
       next = clock.Now() + kRepeat;
     }

@@ -113,7 +113,7 @@ class Exporter {
     if (bits.empty()) return arrays_[index].Append(std::as_bytes(row_.floats(index)));
     unpacked_.resize(spec_.observation[index].elements());
     for (size_t i = 0; i < unpacked_.size(); ++i) {
-      unpacked_[i] = static_cast<uint8_t>(bits[i / 8] >> (i % 8) & 1);
+      unpacked_[i] = bits[i / 8] >> (i % 8) & 1;
     }
     return arrays_[index].Append(std::as_bytes(std::span(unpacked_)));
   }
@@ -164,8 +164,8 @@ Status PrepareFolder(const fs::path& out, uint64_t rows, const StepSpec& spec) {
   const fs::space_info space = fs::space(out, error);
   if (!error && bytes > space.available) {
     return Fail(ErrorCode::kExhausted,
-                "{} frames take {:.1f} MB as arrays, {} has {:.1f} MB left; use --limit", rows,
-                static_cast<double>(bytes) / 1e6, out.string(), static_cast<double>(space.available) / 1e6);
+                "{} frames take {:.1f} MB as arrays, {} has {:.1f} MB left; use --limit", rows, bytes / 1e6,
+                out.string(), space.available / 1e6);
   }
   return {};
 }

@@ -190,9 +190,9 @@ class Importer {
     std::ranges::fill(bits, uint8_t{0});
     bool binary = true;
     for (size_t i = 0; i < from.size(); ++i) {
-      const auto bit = static_cast<uint8_t>(from[i]);
+      const uint8_t bit = std::to_integer<uint8_t>(from[i]);
       binary = binary && bit <= 1;
-      bits[i / 8] = static_cast<uint8_t>(bits[i / 8] | (bit & 1) << (i % 8));
+      bits[i / 8] |= (bit & 1) << (i % 8);
     }
     if (binary) return {};
     return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds something else than 0 and 1", row,

@@ -49,9 +49,7 @@ struct Contents {
   }
 };
 
-double PerFrame(uint64_t bytes, uint64_t frames) {
-  return frames == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(frames);
-}
+double PerFrame(uint64_t bytes, uint64_t frames) { return frames == 0 ? 0.0 : 1.0 * bytes / frames; }
 
 // Of those that lie beside the shards, in RUN/snapshots.
 SnapshotUse UseOfSnapshotsBeside(const std::vector<std::filesystem::path>& shards) {

@@ -23,7 +23,7 @@ ProcessStatus SomeStatus() {
   status.sent_ns = 1234567890123;
   status.uptime_s = 12.5;
   for (size_t i = 0; i < status.metrics.size(); ++i) status.metrics[i] = 0.5 + static_cast<double>(i);
-  for (size_t i = 0; i < ActivityTotals::kSize; ++i) {
+  for (size_t i = 0; i < status.activities.size(); ++i) {
     status.activities[static_cast<Activity>(i)] = {1000 + i, 100.0 + static_cast<double>(i)};
   }
   status.faults = {{FaultKind::kExperience, "cannot write /a b/segment: No space left on device", 3.5},

@@ -53,13 +53,13 @@ void ForwardLayer(const Real* in, const Real* weight, const Real* bias, Real* ou
   for (int co = 0; co < Shape::kOut; ++co) {
     for (int y = 0; y < kOutSize; ++y) {
       for (int x = 0; x < kOutSize; ++x) {
-        double sum = static_cast<double>(bias[co]);
+        double sum = bias[co];
         for (int ci = 0; ci < Shape::kIn; ++ci) {
           const Real* const w = weight + (co * Shape::kIn + ci) * Shape::kTaps;
           const Real* const window = in + (ci * kSize + 2 * y) * kSize + 2 * x;
           for (int ky = 0; ky < kKernel; ++ky) {
             for (int kx = 0; kx < kKernel; ++kx) {
-              sum += static_cast<double>(w[ky * kKernel + kx]) * static_cast<double>(window[ky * kSize + kx]);
+              sum += double{w[ky * kKernel + kx]} * double{window[ky * kSize + kx]};
             }
           }
         }
@@ -80,12 +80,11 @@ void BackwardLayer(const Real* in, const Real* weight, const Real* d_out, double
     for (int y = 0; y < kOutSize; ++y) {
       for (int x = 0; x < kOutSize; ++x) {
         const Real g = d_out[(co * kOutSize + y) * kOutSize + x];
-        d_bias[co] += static_cast<double>(g);
+        d_bias[co] += g;
         for (int tap = 0; tap < Shape::kWeightsPerOut; ++tap) {
           const int ci = tap / Shape::kTaps, ky = tap % Shape::kTaps / kKernel, kx = tap % kKernel;
           const int pixel = (ci * kSize + 2 * y + ky) * kSize + 2 * x + kx;
-          d_weight[co * Shape::kWeightsPerOut + tap] +=
-              static_cast<double>(g) * static_cast<double>(in[pixel]);
+          d_weight[co * Shape::kWeightsPerOut + tap] += double{g} * double{in[pixel]};
           if (d_in != nullptr) d_in[pixel] += weight[co * Shape::kWeightsPerOut + tap] * g;
         }
       }

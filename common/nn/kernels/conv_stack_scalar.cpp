@@ -37,7 +37,7 @@ void Forward(const uint8_t* context, int batch, const ConvStackParams& params, f
 }
 
 void Store(const double* sums, int count, float* out) {
-  for (int i = 0; i < count; ++i) out[i] = static_cast<float>(sums[i]);
+  for (int i = 0; i < count; ++i) out[i] = sums[i];
 }
 
 void Backward(const uint8_t* context, int batch, const ConvStackParams& params, const float* groups,

@@ -54,7 +54,7 @@ void SumSamples(const float* gradient, ptrdiff_t block_stride, int blocks, int f
 }
 
 void LayerNormForward(const float* input, int features, float* normalized, float* inverse_deviation) {
-  const float scale = 1.0f / static_cast<float>(features);
+  const float scale = 1.0f / features;
   Lanes sum = {};
   for (int i = 0; i < features; ++i) sum += Load(input + i * kLanes);
   const Lanes mean = sum * scale;
@@ -72,7 +72,7 @@ void LayerNormForward(const float* input, int features, float* normalized, float
 
 void LayerNormBackward(const float* normalized, const float* inverse_deviation, int features,
                        float* gradient) {
-  const float scale = 1.0f / static_cast<float>(features);
+  const float scale = 1.0f / features;
   Lanes sum = {};
   Lanes projected = {};
   for (int i = 0; i < features; ++i) {

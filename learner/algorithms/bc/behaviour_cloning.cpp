@@ -135,9 +135,8 @@ void BehaviourCloning::Backpropagate(Share& share, std::span<const float> action
       const int at = d * kLanes + i % kLanes;
       const float action = std::tanh(share.output.block(i / kLanes)[at]);
       const float error = action - actions[static_cast<size_t>((share.first + i) * kActionSize + d)];
-      share.loss += static_cast<double>(error) * static_cast<double>(error);
-      share.output_gradient.block(i / kLanes)[at] =
-          2.0f * error * (1.0f - action * action) / static_cast<float>(batch_size);
+      share.loss += double{error} * double{error};
+      share.output_gradient.block(i / kLanes)[at] = 2.0f * error * (1.0f - action * action) / batch_size;
     }
   }
   MlpBackward(kernels_, network_.head, parameters, share.features, blocks, share.head, share.output_gradient,

@@ -47,12 +47,12 @@ TEST(JsonText, WhatIsNoneIsNamedInOneLine) {
 TEST(JsonFields, TakesWhatIsThereAndNamesTheFirstThatIsNot) {
   const auto json = ParseJson(R"({"n": 7, "x": -1.5, "b": true, "t": "text"})", "x").value();
   JsonFields fields(json);
-  EXPECT_EQ(fields.Whole("n", 7), 7u);
+  EXPECT_EQ(fields.Whole("n", 7), 7);
   EXPECT_EQ(fields.Number("x", -2, 0), -1.5);
   EXPECT_TRUE(fields.Boolean("b"));
   EXPECT_EQ(fields.Text("t", 4), "text");
   EXPECT_TRUE(fields.ok());
-  EXPECT_EQ(fields.Whole("missing", 7), 0u);
+  EXPECT_EQ(fields.Whole("missing", 7), 0);
   EXPECT_EQ(fields.Text("t", 3), "");
   EXPECT_EQ(fields.bad(), "missing");
 }

@@ -12,8 +12,8 @@ ProcessRow Row(dds::Role role, Activity activity, double share) {
   ProcessRow row;
   row.role = role;
   row.name = RoleName(role);
-  row.share[static_cast<size_t>(activity)] = share;
-  row.share[static_cast<size_t>(Activity::kWork)] = 1.0 - share;
+  row.share[activity] = share;
+  row.share[Activity::kWork] = 1.0 - share;
   return row;
 }
 
