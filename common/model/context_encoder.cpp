@@ -7,12 +7,6 @@ namespace dadrl {
 using nn::kConvFeatures;
 using nn::kLanes;
 
-namespace {
-
-size_t Samples(int blocks) { return static_cast<size_t>(blocks) * kLanes; }
-
-}  // namespace
-
 ContextEncoder ContextEncoder::Add(nn::ParamLayout& layout, const std::string& prefix) {
   ContextEncoder encoder;
   for (size_t i = 0; i < nn::kConvLayers; ++i) {
@@ -47,12 +41,10 @@ nn::ConvStackGrads ContextEncoder::ConvGrads(float* gradients) const {
 ContextActivations::ContextActivations(nn::Arena& arena, int blocks, bool keep_all)
     : keep(keep_all),
       conv(arena.Allocate(nn::ConvStackActivationBytes(blocks * kLanes, keep_all) / sizeof(float))),
-      rows(arena.Allocate(Samples(blocks) * kConvFeatures)),
       pooled(nn::TakeLanes(arena, kConvFeatures, blocks)) {}
 
 ContextScratch::ContextScratch(nn::Arena& arena, int blocks)
     : pooled_gradient(nn::TakeLanes(arena, kConvFeatures, blocks)),
-      row_gradient(arena.Allocate(Samples(blocks) * kConvFeatures)),
       rows(arena.Allocate(nn::WeightScratch(kConvFeatures, blocks))) {}
 
 void ContextForward(const nn::LaneKernels& kernels, const ContextEncoder& encoder, const float* parameters,
@@ -60,11 +52,7 @@ void ContextForward(const nn::LaneKernels& kernels, const ContextEncoder& encode
                     nn::LaneSpan features) {
   const int blocks = observations.blocks;
   nn::ConvStackForward(observations.context_planes, blocks * kLanes, encoder.ConvParams(parameters),
-                       activations.conv, activations.rows, activations.keep);
-  for (int b = 0; b < blocks; ++b) {
-    kernels.to_lanes(activations.rows + Samples(b) * kConvFeatures, kConvFeatures, kLanes, kConvFeatures,
-                     activations.pooled.block(b));
-  }
+                       activations.conv, activations.pooled.data, activations.keep);
   nn::LinearForward(kernels, encoder.output, parameters, activations.pooled, features, blocks, true);
 }
 
@@ -77,12 +65,8 @@ void ContextBackward(const nn::LaneKernels& kernels, const ContextEncoder& encod
                            scratch.rows);
   nn::LinearInputGradient(kernels, encoder.output, parameters, feature_gradient, scratch.pooled_gradient, 0,
                           kConvFeatures, blocks);
-  for (int b = 0; b < blocks; ++b) {
-    kernels.to_rows(scratch.pooled_gradient.block(b), kConvFeatures,
-                    scratch.row_gradient + Samples(b) * kConvFeatures, kConvFeatures);
-  }
   nn::ConvStackBackward(observations.context_planes, blocks * kLanes, encoder.ConvParams(parameters),
-                        activations.conv, scratch.row_gradient, encoder.ConvGrads(gradients));
+                        activations.conv, scratch.pooled_gradient.data, encoder.ConvGrads(gradients));
 }
 
 }  // namespace dadrl

@@ -28,8 +28,7 @@ struct ContextActivations {
 
   bool keep = false;
   float* conv = nullptr;  // working memory of the convolutions
-  float* rows = nullptr;  // [16 blocks, 256], as the convolutions write
-  nn::LaneSpan pooled;    // [blocks][256][16], the same
+  nn::LaneSpan pooled;    // [blocks][256][16], of the convolutions
 };
 
 struct ContextScratch {
@@ -37,7 +36,6 @@ struct ContextScratch {
   ContextScratch(nn::Arena& arena, int blocks);
 
   nn::LaneSpan pooled_gradient;
-  float* row_gradient = nullptr;
   float* rows = nullptr;
 };
 

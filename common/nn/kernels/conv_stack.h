@@ -29,14 +29,15 @@ size_t ConvStackBiasCount(int layer);
 // depend on the batch.
 size_t ConvStackActivationBytes(int batch, bool for_backward);
 
-// context: [batch, 4096] bytes, the first bit of a byte is its lowest. features: [batch, 256], overwritten.
-// With keep_for_backward, activations (of ConvStackActivationBytes(batch, true)) hold what the backward pass
-// of the same batch and parameters needs, until the next call that is given this memory.
+// context: [batch, 4096] bytes, the first bit of a byte is its lowest. features: [batch / 16, 256, 16], as
+// the dense layers take them, overwritten. With keep_for_backward, activations (of
+// ConvStackActivationBytes(batch, true)) hold what the backward pass of the same batch and parameters needs,
+// until the next call that is given this memory.
 void ConvStackForward(const uint8_t* context, int batch, const ConvStackParams& params, void* activations,
                       float* features, bool keep_for_backward);
 
 // Gradients of sum(d_features * features) over the batch; none with respect to the image.
-// d_features: [batch, 256]. May be called again on the same activations.
+// d_features: [batch / 16, 256, 16]. May be called again on the same activations.
 void ConvStackBackward(const uint8_t* context, int batch, const ConvStackParams& params, void* activations,
                        const float* d_features, const ConvStackGrads& grads);
 

@@ -25,6 +25,9 @@ reference::Params<float> ToReference(const ConvStackParams& params) {
   return result;
 }
 
+// Where feature 0 of image `n` stands; the next is kLanes on.
+int PlaceOf(int n) { return n / kLanes * kLanes * kConvFeatures + n % kLanes; }
+
 void Forward(const uint8_t* context, int batch, const ConvStackParams& params, float* groups, float* scratch,
              float* features, bool keep) {
   auto* const outputs = reinterpret_cast<Outputs*>(groups);
@@ -32,7 +35,7 @@ void Forward(const uint8_t* context, int batch, const ConvStackParams& params, f
   for (int n = 0; n < batch; ++n) {
     Outputs& out = outputs[keep ? n : 0];
     reference::Forward(context + n * kContextImageBytes, ToReference(params), work->image, out);
-    std::memcpy(features + n * kConvFeatures, out.layer5, sizeof(out.layer5));
+    for (int i = 0; i < kConvFeatures; ++i) features[PlaceOf(n) + i * kLanes] = out.layer5[i];
   }
 }
 
@@ -46,8 +49,10 @@ void Backward(const uint8_t* context, int batch, const ConvStackParams& params, 
   auto* const work = reinterpret_cast<Scratch*>(scratch);
   std::memset(&work->sums, 0, sizeof(work->sums));
   for (int n = 0; n < batch; ++n) {
-    reference::Backward(context + n * kContextImageBytes, ToReference(params), outputs[n],
-                        d_features + n * kConvFeatures, work->image, work->d_out, work->sums);
+    float d_image[kConvFeatures];
+    for (int i = 0; i < kConvFeatures; ++i) d_image[i] = d_features[PlaceOf(n) + i * kLanes];
+    reference::Backward(context + n * kContextImageBytes, ToReference(params), outputs[n], d_image,
+                        work->image, work->d_out, work->sums);
   }
   const auto& sums = work->sums;
   const double* const weights[] = {sums.weight1, sums.weight2, sums.weight3, sums.weight4, sums.weight5};

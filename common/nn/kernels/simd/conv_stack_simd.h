@@ -56,7 +56,7 @@ class ConvStack {
       Outputs& out = outputs[keep ? group : 0];
       work.first.SetGroup(context + group * kLanes * kContextImageBytes);
       ForwardGroup(params, work.first, out);
-      StoreFeatures(out.layer5, features + group * kLanes * kConvFeatures);
+      memcpy(features + group * kLanes * kConvFeatures, out.layer5, sizeof(out.layer5));
     }
   }
 
@@ -94,18 +94,10 @@ class ConvStack {
         out.layer4, params.weight[4], params.bias[4], out.layer5, 0);
   }
 
-  static void StoreFeatures(const float* layer5, float* features) {
-    for (int n = 0; n < kLanes; ++n) {
-      for (int i = 0; i < kConvFeatures; ++i) features[n * kConvFeatures + i] = layer5[i * kLanes + n];
-    }
-  }
-
   static void LoadFeatureGradients(const float* d_features, const float* layer5, float* d_layer5) {
-    for (int i = 0; i < kConvFeatures; ++i) {
-      for (int n = 0; n < kLanes; ++n) d_layer5[i * kLanes + n] = d_features[n * kConvFeatures + i];
-      for (int n = i * kLanes; n < (i + 1) * kLanes; n += Simd::kFloats) {
-        Simd::Store(d_layer5 + n, Simd::ReluGradient(Simd::Load(layer5 + n), Simd::Load(d_layer5 + n)));
-      }
+    for (int i = 0; i < kConvFeatures * kLanes; i += Simd::kFloats) {
+      Simd::Store(d_layer5 + i,
+                  Simd::ReluGradient(Simd::Load(layer5 + i), Simd::LoadUnaligned(d_features + i)));
     }
   }
 

@@ -175,6 +175,24 @@ struct Oracle {
   }
 };
 
+// [batch][256] as the kernels take it, [batch / 16][256][16], and back.
+inline std::vector<float> ToLanes(const std::vector<float>& rows) {
+  std::vector<float> lanes(rows.size());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const size_t n = i / kConvFeatures;
+    lanes[(n / kLanes * kConvFeatures + i % kConvFeatures) * kLanes + n % kLanes] = rows[i];
+  }
+  return lanes;
+}
+inline std::vector<float> ToRows(const std::vector<float>& lanes) {
+  std::vector<float> rows(lanes.size());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const size_t n = i / kConvFeatures;
+    rows[i] = lanes[(n / kLanes * kConvFeatures + i % kConvFeatures) * kLanes + n % kLanes];
+  }
+  return rows;
+}
+
 // The same with the kernels in use.
 struct StepResult {
   std::vector<float> features;
@@ -186,7 +204,9 @@ struct StepResult {
     features.resize(static_cast<size_t>(batch) * kConvFeatures);
     Arena arena(ConvStackActivationBytes(batch, true));
     ConvStackForward(context.data(), batch, params.params(), arena.get(), features.data(), true);
-    ConvStackBackward(context.data(), batch, params.params(), arena.get(), d_features.data(), grads.grads());
+    features = ToRows(features);
+    ConvStackBackward(context.data(), batch, params.params(), arena.get(), ToLanes(d_features).data(),
+                      grads.grads());
   }
 };
 

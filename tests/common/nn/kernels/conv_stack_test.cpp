@@ -72,7 +72,7 @@ TEST_P(ConvStackTest, GivesTheSameFeaturesWithoutKeepingActivations) {
   Arena arena(ConvStackActivationBytes(32, false));
   std::vector<float> features(32 * kConvFeatures);
   ConvStackForward(context.data(), 32, params.params(), arena.get(), features.data(), false);
-  EXPECT_EQ(features, kept.features);
+  EXPECT_EQ(ToRows(features), kept.features);
 }
 
 TEST_P(ConvStackTest, RepeatedBackwardOverwritesGradients) {
