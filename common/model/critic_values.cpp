@@ -59,16 +59,7 @@ class CriticValues final : public ValueModel {
 };
 
 Status CriticValues::Load(std::span<const float> parameters) {
-  const nn::ParamLayout& layout = network_.layout;
-  if (parameters.size() != layout.size()) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "critics of {} parameters where the configured networks have {}: model.* or observation.* differ",
-        parameters.size(), layout.size());
-  }
-  if (const std::string_view tensor = layout.FirstNonFinite(parameters); !tensor.empty()) {
-    return Fail(ErrorCode::kCorrupt, "critic parameter {} is not finite: not loaded", tensor);
-  }
+  DADRL_RETURN_IF_ERROR(CheckParameters("critic", network_.layout, parameters));
   std::ranges::copy(parameters, parameters_.data());
   return {};
 }

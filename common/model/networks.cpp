@@ -18,4 +18,16 @@ CriticNetwork::CriticNetwork(const DrivingShape& spec, const ModelConfig& model)
   head_range = {encoder_range.count, layout.size() - encoder_range.count};
 }
 
+Status CheckParameters(std::string_view what, const nn::ParamLayout& layout,
+                       std::span<const float> parameters) {
+  if (parameters.size() != layout.size()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "{} of {} parameters where the configured networks have {}: model.* or observation.* differ",
+                what, parameters.size(), layout.size());
+  }
+  const std::string_view tensor = layout.FirstNonFinite(parameters);
+  if (tensor.empty()) return {};
+  return Fail(ErrorCode::kCorrupt, "{} parameter {} is not finite: not loaded", what, tensor);
+}
+
 }  // namespace dadrl

@@ -1,9 +1,13 @@
 // The two networks of the system and their flat parameter layouts.
 #pragma once
 
+#include <span>
+#include <string_view>
+
 #include "common/model/encoder.h"
 #include "common/model/mlp.h"
 #include "common/nn/adam.h"
+#include "common/util/result.h"
 
 namespace dadrl {
 
@@ -30,5 +34,10 @@ struct CriticNetwork {
   nn::Range encoder_range;
   nn::Range head_range;
 };
+
+// Whether `parameters`, of the network called `what` ("policy"), may be loaded: kInvalidArgument when there
+// are more or fewer than `layout` has, kCorrupt when one is not finite.
+Status CheckParameters(std::string_view what, const nn::ParamLayout& layout,
+                       std::span<const float> parameters);
 
 }  // namespace dadrl

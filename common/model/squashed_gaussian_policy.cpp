@@ -111,16 +111,7 @@ void SquashedGaussianPolicy::Encode(const Observation& observation) {
 }
 
 Status SquashedGaussianPolicy::Load(std::span<const float> parameters) {
-  const nn::ParamLayout& layout = network_.layout;
-  if (parameters.size() != layout.size()) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "policy of {} parameters where the configured networks have {}: model.* or observation.* differ",
-        parameters.size(), layout.size());
-  }
-  if (const std::string_view tensor = layout.FirstNonFinite(parameters); !tensor.empty()) {
-    return Fail(ErrorCode::kCorrupt, "policy parameter {} is not finite: not loaded", tensor);
-  }
+  DADRL_RETURN_IF_ERROR(CheckParameters("policy", network_.layout, parameters));
   std::memcpy(parameters_.data(), parameters.data(), parameters.size_bytes());
   Pack();
   return {};
