@@ -26,6 +26,9 @@ class History {
   // [vehicles, history, 7]: those within the radius now, nearest first (ties: the smaller id first). A
   // vehicle's rows end where it was not in the network, or where it jumped (it left and started anew).
   void WriteVehicles(std::span<float> out);
+  // Those of the last WriteVehicles, in its order; as long as the scene is the newest.
+  size_t nearest_count() const { return nearest_.size(); }
+  const SocialVehicle& nearest(size_t index) const { return *nearest_[index].second; }
   // [history, 20]; rows before the spawn are absent. `goal` is in world coordinates.
   void WriteEgo(Point goal, std::span<float> out) const;
 

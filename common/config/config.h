@@ -52,12 +52,14 @@ struct ObservationConfig {
   double radius_m = 30.0;
   int history = 5;         // rows, oldest first, the last is now
   int history_stride = 5;  // simulation steps between two rows
+  bool polylines = false;  // the ways ahead of the ego and of each vehicle, as a column of their own
 };
 
 struct ModelConfig {
   std::string policy = "squashed_gaussian";  // what acts, and its distribution (common/model/policy_model.h)
   bool stae = true;
   bool context = true;
+  bool scene = false;  // scene encoder in the place of stae
   EncoderSharing encoders = EncoderSharing::kSeparate;
   int hidden = 256;
   bool critic_layer_norm = true;
@@ -77,7 +79,7 @@ struct AlgorithmConfig {
   double adam_epsilon = 1e-8;
   double initial_temperature = 0.05;
   double target_entropy = -2.0;
-  double average_decay = 0.998;  // of the averaged policy, per update
+  double average_decay = 0.998;    // of the averaged policy, per update
 };
 
 struct ReplayConfig {

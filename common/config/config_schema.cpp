@@ -72,12 +72,16 @@ void AddTask(SchemaBuilder& b, Config& c) {
   b.Add("observation.history", c.observation.history, 1, 50, "Rows of history, the last is now");
   b.Add("observation.history_stride", c.observation.history_stride, 1, 50,
         "Simulation steps between two rows");
+  b.Add("observation.polylines", c.observation.polylines,
+        "Two ways ahead of the ego and of each vehicle, ten points each, as another column");
 }
 
 void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("model.policy", c.model.policy, "What acts: squashed_gaussian is a Gaussian through tanh");
   b.Add("model.stae", c.model.stae, "Spatio-temporal attention encoder; false is the paper's ablation");
   b.Add("model.context", c.model.context, "Bird's-eye context encoder; false is the paper's ablation");
+  b.Add("model.scene", c.model.scene,
+        "Scene encoder: attention over histories and polylines, in the place of model.stae");
   b.AddChoice("model.encoders", c.model.encoders, {"separate", "shared"},
               "Whether actor and critics own an encoder each, or share one trained by the critic loss");
   b.Add("model.hidden", c.model.hidden, 16, 1024, "Width of the two hidden layers of policy and critics");

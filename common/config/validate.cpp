@@ -15,7 +15,7 @@ constexpr int64_t kLeastFrameBytes = 64;
 
 int64_t ObservationFloats(const Config& config) {
   const DrivingShape spec = DrivingShape::From(config.observation);
-  return spec.vehicle_floats() + spec.ego_floats();
+  return spec.vehicle_floats() + spec.ego_floats() + spec.polyline_floats();
 }
 
 Status CheckTask(const Config& config) {
@@ -38,9 +38,19 @@ Status CheckTask(const Config& config) {
   return {};
 }
 
-Status CheckModel(const ModelConfig& model) {
-  if (!model.stae && !model.context) {
-    return Fail(ErrorCode::kInvalidArgument, "model.stae and model.context are both false; keep one");
+Status CheckModel(const Config& config) {
+  const ModelConfig& model = config.model;
+  if (!model.stae && !model.context && !model.scene) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "model.stae, model.context and model.scene are all false; keep one");
+  }
+  if (model.scene && model.stae) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "model.scene and model.stae are both true, and both read the vehicles; set model.stae=false");
+  }
+  if (model.scene && !config.observation.polylines) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "model.scene reads polylines, and observation.polylines is false; set it to true");
   }
   if (model.log_std_min >= model.log_std_max) {
     return Fail(
@@ -167,7 +177,7 @@ Status CheckCluster(const ClusterConfig& cluster) {
 
 Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckTask(config));
-  DADRL_RETURN_IF_ERROR(CheckModel(config.model));
+  DADRL_RETURN_IF_ERROR(CheckModel(config));
   DADRL_RETURN_IF_ERROR(CheckRows(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));

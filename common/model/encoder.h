@@ -1,24 +1,30 @@
 // Observation to state: what policy and critics see (paper, section IV; design, section 5).
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "common/model/context_encoder.h"
+#include "common/model/scene_encoder.h"
 #include "common/model/stae.h"
 
 namespace dadrl {
 
-// [vehicle part, context part]: 128 features of the STAE, or without it (model.stae false) the raw ego and
-// vehicle tensors; then 128 of the context encoder, or without it nothing.
+// [vehicle part, context part]: 128 features of the STAE (model.stae) or of the scene encoder (model.scene),
+// or without either the raw ego and vehicle tensors; then 128 of the context encoder, or without it nothing.
 struct Encoder {
   static Encoder Add(nn::ParamLayout& layout, const std::string& prefix, const DrivingShape& spec,
                      const ModelConfig& model);
 
   int features() const { return vehicle_features() + (context ? ContextEncoder::kFeatures : 0); }
-  int vehicle_features() const { return stae ? Stae::kFeatures : spec.ego_floats() + spec.vehicle_floats(); }
+  int vehicle_features() const {
+    if (scene) return SceneEncoder::kFeatures;
+    return stae ? Stae::kFeatures : spec.ego_floats() + spec.vehicle_floats();
+  }
 
   DrivingShape spec;
   std::optional<Stae> stae;
+  std::optional<SceneEncoder> scene;
   std::optional<ContextEncoder> context;
 };
 
@@ -28,6 +34,7 @@ struct EncoderActivations {
   EncoderActivations(nn::Arena& arena, const Encoder& encoder, int blocks, bool keep);
 
   StaeActivations stae;
+  std::unique_ptr<nn::Tape> scene;
   ContextActivations context;
 };
 

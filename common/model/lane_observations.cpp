@@ -21,6 +21,8 @@ nn::LaneSpan LaneObservations::ego_now() const {
 void LaneObservations::Pack(const nn::LaneKernels& kernels, ColumnRows batch, const uint8_t* context,
                             int first_block) {
   context_planes = context;
+  rows = batch;
+  first_row = first_block * kLanes;
   const ptrdiff_t sequence = SequenceFloats(spec);
   const float* const batch_ego = batch.floats(spec.ego_column).data();
   const float* const batch_vehicles = batch.floats(spec.vehicles_column).data();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/nn/aligned_buffer.h"
 #include "common/nn/linear.h"
@@ -10,7 +11,7 @@
 namespace dadrl {
 
 // Some blocks of a batch, rearranged once and read by every encoder. Memory is the arena's; `context` is
-// borrowed from the batch. Samples beyond the batch's size are zero.
+// borrowed from the batch, and so are `rows`. Samples beyond the batch's size are zero.
 struct LaneObservations {
   LaneObservations() = default;
   LaneObservations(nn::Arena& arena, const DrivingShape& spec, int blocks);
@@ -29,6 +30,8 @@ struct LaneObservations {
       nullptr;  // [blocks][1 + vehicles][history][7][16]: the ego's first seven features, then vehicles
   nn::LaneSpan absent;                      // [blocks][vehicles][16], 1 where the newest row is absent
   const uint8_t* context_planes = nullptr;  // [16 blocks, 4096] bytes
+  std::optional<ColumnRows> rows;           // the whole batch, for what reads it as it is
+  int first_row = 0;                        // the first of these samples
 };
 
 // Floats before `vehicles` in `ego` and in one block of `sequences`.

@@ -23,11 +23,13 @@ struct Stack {
         layer2(arena.Allocate(hidden2.padded)),
         result(arena.Allocate(output.padded)) {
     if (network.encoder.stae) stae.emplace(arena, network.encoder.spec);
+    if (network.encoder.scene) scene.emplace(arena, network.encoder.scene->graph, 1, false);
     if (network.encoder.context)
       context_output = DenseRow(arena, nn::kConvFeatures, ContextEncoder::kFeatures);
   }
 
   std::optional<ActingStae> stae;
+  std::optional<nn::Tape> scene;
   DenseRow context_output, hidden1, hidden2, output;
   float* pooled;
   float* features;
@@ -77,7 +79,8 @@ SquashedGaussianPolicy::SquashedGaussianPolicy(const DrivingShape& shape, const 
       arena_(ArenaFor(network_, model)),
       stack_(arena_, network_, model),
       parameters_(network_.layout.size()) {
-  if (network_.encoder.stae) details_.attention.resize(static_cast<size_t>(shape.vehicles));
+  if (network_.encoder.stae || network_.encoder.scene)
+    details_.attention.resize(static_cast<size_t>(shape.vehicles));
   details_.numbers = {{"mean", mean_}, {"log_std", log_std_}};
 }
 
@@ -100,6 +103,12 @@ void SquashedGaussianPolicy::Encode(const Observation& observation) {
   const DrivingShape& shape = network_.encoder.spec;
   if (stack_.stae) {
     stack_.stae->Forward(kernels_, observation, stack_.features, details_.attention);
+  } else if (stack_.scene) {
+    const SceneEncoder& scene = *network_.encoder.scene;
+    PackScene(scene, observation, 0, *stack_.scene, 0);
+    stack_.scene->Forward(parameters_.data(), 1);
+    std::copy_n(stack_.scene->value(scene.features), SceneEncoder::kFeatures, stack_.features);
+    SceneAttention(scene, *stack_.scene, details_.attention);
   } else {
     float* rest = std::ranges::copy(observation.floats(shape.ego_column), stack_.features).out;
     std::ranges::copy(observation.floats(shape.vehicles_column), rest);

@@ -19,9 +19,15 @@ namespace dadrl {
 //   context  [2, 128, 128] bits: drivable area, planned route; row 0 is 25 m ahead, column 0 is 25 m to the
 //            left; pixel (plane, row, column) is bit (column % 8) of byte ((plane * 128 + row) * 16 + column
 //            / 8)
+//   polylines [2 (1 + vehicles), 10, 5] float32, scaled, where observation.polylines asks for them: two ways
+//            ahead of the ego, then of each of `vehicles`, by points a metre apart; absent, x, y, cos, sin in
+//            the ego's current frame; absent points are {1, 0, 0, 0, 0}
 struct DrivingShape {
   static constexpr int kVehicleFeatures = 7;  // absent, x, y, cos, sin, speed, lane
   static constexpr int kEgoFeatures = 20;     // the same seven, then see actor/sensing
+  static constexpr int kWays = 2;             // polylines of each
+  static constexpr int kWayPoints = 10;
+  static constexpr int kPointFeatures = 5;  // absent, x, y, cos, sin
   static constexpr int kContextPlanes = 2;
   static constexpr int kContextSize = kBitPlaneSide;  // pixels a side
   static constexpr int kContextBytes = kContextPlanes * kContextSize * kContextSize / 8;
@@ -29,13 +35,15 @@ struct DrivingShape {
 
   int vehicles = 6;
   int history = 5;
+  bool polylines = false;
   size_t vehicles_column = 0;
   size_t ego_column = 1;
   size_t context_column = 2;
+  size_t polylines_column = 3;  // where there are any
 
   // With the columns where DrivingStepSpec places them.
   static DrivingShape From(const ObservationConfig& config) {
-    return {.vehicles = config.vehicles, .history = config.history};
+    return {.vehicles = config.vehicles, .history = config.history, .polylines = config.polylines};
   }
   // The steps that hold these columns and an action alone: DrivingStepSpec.
   operator StepSpec() const;  // NOLINT(google-explicit-constructor): a shape stands for its steps
@@ -44,6 +52,8 @@ struct DrivingShape {
 
   int vehicle_floats() const { return vehicles * history * kVehicleFeatures; }
   int ego_floats() const { return history * kEgoFeatures; }
+  int ways() const { return kWays * (1 + vehicles); }
+  int polyline_floats() const { return polylines ? ways() * kWayPoints * kPointFeatures : 0; }
   bool operator==(const DrivingShape&) const = default;
 };
 

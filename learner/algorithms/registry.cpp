@@ -27,6 +27,8 @@ constexpr std::array kAlgorithms = {
                    BehaviourCloning::SpecOf, Make<BehaviourCloning>},
     AlgorithmEntry{"dadrl", "Soft actor-critic on the attention encoder and bird's-eye planes (the paper's)",
                    Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{"mst", "Soft actor-critic on a scene encoder: attention over histories and lane polylines",
+                   Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",
                    Sac::SpecOf, Make<Sac>},
 };

@@ -88,4 +88,17 @@ inline void ExpectTensorsAgree(const nn::ParamLayout& layout, std::span<const fl
   EXPECT_EQ(at, golden.size()) << what;
 }
 
+// The same where `golden` holds every `step`th number of each tensor.
+inline void ExpectEveryNthAgrees(const nn::ParamLayout& layout, std::span<const float> ours,
+                                 std::span<const float> golden, size_t step, size_t first = 0) {
+  for (const nn::TensorInfo& tensor : layout.tensors().subspan(first)) {
+    std::vector<float> some;
+    for (size_t i = 0; i < tensor.size; i += step) some.push_back(ours[tensor.offset + i]);
+    ASSERT_LE(some.size(), golden.size()) << "the file ends before " << tensor.name;
+    ExpectAgrees(some, golden.first(some.size()), tensor.name);
+    golden = golden.subspan(some.size());
+  }
+  EXPECT_TRUE(golden.empty());
+}
+
 }  // namespace dadrl::golden

@@ -315,9 +315,22 @@ def write_batches():
             save(f'inputs/{name}{k}', value)
 
 
-def write_updates(case, shared, context, layer_norm, epsilon, updates=3, extras=()):
-    hidden, features = 32, 256 if context else 128
-    encoder = encoder_shapes(True, context)
+class PaperEncoder:
+    def __init__(self, context):
+        self.context = context
+        self.features = 256 if context else 128
+        self.shapes = encoder_shapes(True, context)
+
+    def __call__(self, p, k):
+        """The features of observation k."""
+        return encode(p, observation(k, self.context), True, self.context)
+
+
+def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=(), step=1):
+    """Of the tensors every `step`th number is stored."""
+    hidden, features = 32, network.features
+    encoder = network.shapes
+    flat = lambda values: np.concatenate([v.detach().numpy().ravel()[::step] for v in values])
     policy = make_parameters(1, encoder + mlp_shapes('policy', features, hidden, 4))
     critic = make_parameters(2, encoder + mlp_shapes('critic1', features + 2, hidden, 1) +
                              mlp_shapes('critic2', features + 2, hidden, 1))
@@ -332,13 +345,13 @@ def write_updates(case, shared, context, layer_norm, epsilon, updates=3, extras=
     critic_adam = torch.optim.Adam(critic.values(), **settings)
     policy_adam = torch.optim.Adam(policy_trained, **settings)
     alpha_adam = torch.optim.Adam([log_alpha], **settings)
-    run = lambda p, obs: encode(p, obs, True, context)
+    run = network
     q = lambda p, x: (mlp(p, 'critic1', x, layer_norm)[:, 0], mlp(p, 'critic2', x, layer_norm)[:, 0])
 
     losses, errors = [], []
     for k in range(updates):
         action, reward, discount, weight, next_noise, now_noise = map(tensor, actor_batch(k))
-        now, after = observation(k, context), observation(k + 1, context)
+        now, after = k, k + 1
         alpha = log_alpha.exp().detach()
         with torch.no_grad():
             next_action, next_log = sample(mlp(policy, 'policy', run(policy, after), False), next_noise)
@@ -397,8 +410,8 @@ if __name__ == '__main__':
     write_layers()
     write_losses()
     write_batches()
-    write_updates('update_separate', False, True, True, 1e-5, extras=('parameters', 'target'))
-    write_updates('update_shared', True, True, False, 1e-5, extras=('parameters', 'target'))
-    write_updates('update_separate_no_context', False, False, False, 1e-5, extras=('parameters', 'average'))
-    write_updates('update_shared_no_context', True, False, True, 1e-5, extras=('parameters', 'average'))
-    write_updates('update_default_epsilon', False, False, True, 1e-8, updates=1, extras=('moments',))
+    write_updates('update_separate', False, PaperEncoder(True), True, 1e-5, extras=('parameters', 'target'))
+    write_updates('update_shared', True, PaperEncoder(True), False, 1e-5, extras=('parameters', 'target'))
+    write_updates('update_separate_no_context', False, PaperEncoder(False), False, 1e-5, extras=('parameters', 'average'))
+    write_updates('update_shared_no_context', True, PaperEncoder(False), True, 1e-5, extras=('parameters', 'average'))
+    write_updates('update_default_epsilon', False, PaperEncoder(False), True, 1e-8, updates=1, extras=('moments',))

@@ -46,6 +46,8 @@ TEST(Validate, RefusesWhatCannotWork) {
        "4 threads need algorithm.batch_size of at least 64"},
       {{"model.log_std_min=0", "model.log_std_max=0"}, "0 is not below model.log_std_max: 0"},
       {{"model.stae=false", "model.context=false"}, "keep one"},
+      {{"model.scene=true", "observation.polylines=true"}, "set model.stae=false"},
+      {{"model.scene=true", "model.stae=false"}, "observation.polylines is false; set it to true"},
       {{"task.reward.crash=0", "task.reward.off_road=0", "task.reward.goal=0", "task.reward.progress=0",
         "task.reward.speed=0", "task.reward.off_route=0", "task.reward.wrong_way=0", "task.reward.slow=0"},
        "nothing to learn"},

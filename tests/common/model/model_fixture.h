@@ -5,6 +5,7 @@
 #include "tests/common/nn/lane_test.h"
 #include "tests/driving_columns.h"
 #include "tests/golden/golden.h"
+#include "tests/golden/scene_ways.h"
 
 namespace dadrl {
 
@@ -17,6 +18,18 @@ inline Columns GoldenObservations(int index) {
   std::ranges::copy(golden::Floats("inputs/vehicles" + suffix), VehiclesOf(batch).begin());
   std::ranges::copy(golden::Floats("inputs/ego" + suffix), EgoOf(batch).begin());
   std::ranges::copy(golden::Bytes("inputs/context" + suffix), ContextOf(batch).begin());
+  return batch;
+}
+
+// The same with polylines: those of make_scene_golden.py.
+inline Columns GoldenScenes(int index) {
+  const DrivingShape shape{.polylines = true};
+  Columns batch(shape, kGoldenBatch);
+  const Columns without = GoldenObservations(index);
+  std::ranges::copy(VehiclesOf(without), VehiclesOf(batch).begin());
+  std::ranges::copy(EgoOf(without), EgoOf(batch).begin());
+  std::ranges::copy(ContextOf(without), ContextOf(batch).begin());
+  FillWays(shape, index, batch);
   return batch;
 }
 
@@ -34,7 +47,7 @@ inline Observation OneOf(const Columns& batch, const DrivingShape& spec, int sam
 class EncoderRun {
  public:
   EncoderRun(const Encoder& encoder, const Columns& batch, bool keep)
-      : encoder_(encoder), kernels_(nn::LaneKernelsFor(ActiveIsa())), samples_(batch.rows()) {
+      : encoder_(encoder), kernels_(nn::LaneKernelsFor(ActiveIsa())), batch_(batch), samples_(batch.rows()) {
     const int blocks = nn::BlocksOf(batch.rows());
     nn::Arena measure;
     LayOut(measure, blocks, keep);
@@ -42,7 +55,7 @@ class EncoderRun {
     LayOut(arena_, blocks, keep);
     context_.assign(ContextOf(batch).begin(), ContextOf(batch).end());
     context_.resize(static_cast<size_t>(blocks) * nn::kLanes * DrivingShape::kContextBytes);
-    observations_.Pack(kernels_, batch, context_.data(), 0);
+    observations_.Pack(kernels_, batch_, context_.data(), 0);
   }
 
   std::vector<float> Forward(const float* parameters) {
@@ -71,6 +84,7 @@ class EncoderRun {
 
   const Encoder& encoder_;
   const nn::LaneKernels& kernels_;
+  const Columns batch_;  // observations_ borrows it
   int samples_;
   nn::Arena arena_;
   std::vector<uint8_t> context_;
@@ -79,6 +93,23 @@ class EncoderRun {
   EncoderScratch scratch_;
   nn::LaneSpan features_;
 };
+
+// [samples, 4]: mean and log std of the batched path.
+inline std::vector<float> BatchedOutput(const PolicyNetwork& network, const std::vector<float>& parameters,
+                                        EncoderRun& run, int samples) {
+  nn::FloatBuffer aligned(parameters.size());
+  std::ranges::copy(parameters, aligned.data());
+  run.Forward(aligned.data());
+  const int blocks = nn::BlocksOf(samples);
+  nn::Arena measure;
+  MlpActivations(measure, network.head, blocks);
+  nn::Arena arena(measure.used());
+  const MlpActivations activations(arena, network.head, blocks);
+  nn::FloatBuffer output = nn::LaneBuffer(samples, 4);
+  MlpForward(nn::LaneKernelsFor(ActiveIsa()), network.head, aligned.data(), run.features(), blocks,
+             activations, nn::Contiguous(output.data(), 4));
+  return nn::ToRowVector(nn::Contiguous(output.data(), 4), samples, 4);
+}
 
 // Chooses the instruction set for the test and puts the former one back.
 class ModelOnEveryIsa : public nn::EveryIsa {

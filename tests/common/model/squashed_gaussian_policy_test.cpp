@@ -14,23 +14,6 @@ std::vector<float> Parameters(const PolicyNetwork& network, uint64_t seed) {
   return parameters;
 }
 
-// [samples, 4]: mean and log std of the batched path.
-std::vector<float> BatchedOutput(const PolicyNetwork& network, const std::vector<float>& parameters,
-                                 EncoderRun& run, int samples) {
-  nn::FloatBuffer aligned(parameters.size());
-  std::ranges::copy(parameters, aligned.data());
-  run.Forward(aligned.data());
-  const int blocks = nn::BlocksOf(samples);
-  nn::Arena measure;
-  MlpActivations(measure, network.head, blocks);
-  nn::Arena arena(measure.used());
-  const MlpActivations activations(arena, network.head, blocks);
-  nn::FloatBuffer output = nn::LaneBuffer(samples, 4);
-  MlpForward(nn::LaneKernelsFor(ActiveIsa()), network.head, aligned.data(), run.features(), blocks,
-             activations, nn::Contiguous(output.data(), 4));
-  return nn::ToRowVector(nn::Contiguous(output.data(), 4), samples, 4);
-}
-
 class SquashedGaussianTest : public ModelOnEveryIsa {
  protected:
   static std::unique_ptr<PolicyModel> Loaded() {

@@ -66,11 +66,24 @@ TEST(DrivingShape, IsFoundAmongOtherColumnsAndNotWhereOneIsMissingOrOfAnotherSha
   StepSpec spec = DrivingStepSpec(DrivingShape{.vehicles = 3, .history = 2});
   spec.observation.insert(spec.observation.begin(), {.name = "gap"});
   const DrivingShape shape = DrivingShape::Find(spec).value();
-  EXPECT_EQ(shape, (DrivingShape{3, 2, 1, 2, 3}));
+  EXPECT_EQ(shape,
+            (DrivingShape{
+                .vehicles = 3, .history = 2, .vehicles_column = 1, .ego_column = 2, .context_column = 3}));
   spec.observation[2].shape = {2, 19};
   EXPECT_FALSE(DrivingShape::Find(spec));
   spec.observation[2].shape = {2, 20};
   spec.observation.erase(spec.observation.begin() + 1);
+  EXPECT_FALSE(DrivingShape::Find(spec));
+}
+
+TEST(DrivingShape, HasPolylinesWhereTheStepsHaveThem) {
+  StepSpec spec = DrivingStepSpec(DrivingShape{.vehicles = 3, .polylines = true});
+  EXPECT_NE(SchemaHash(spec), SchemaHash(DrivingStepSpec(DrivingShape{.vehicles = 3})));
+  spec.observation.insert(spec.observation.begin(), {.name = "gap"});
+  const DrivingShape shape = DrivingShape::Find(spec).value();
+  EXPECT_TRUE(shape.polylines);
+  EXPECT_EQ(shape.polylines_column, 4u);
+  spec.observation[4].shape = {8, 9, 5};
   EXPECT_FALSE(DrivingShape::Find(spec));
 }
 

@@ -67,6 +67,23 @@ TEST(Lockstep, OnAllScenariosToo) {
   EXPECT_NE(first->policy_hash, one->policy_hash);
 }
 
+// Whatever learns: what its preset says beside the name, small.
+TEST(Lockstep, OtherNetworksRepeatTheirWeightsToo) {
+  Config scene = TinyTraining(5);
+  scene.learner.max_updates = 5;
+  scene.algorithm.batch_size = 16;
+  scene.observation.polylines = scene.model.scene = true;
+  scene.model.stae = scene.model.context = false;
+  scene.algorithm.name = "mst";
+  for (const Config& config : {scene}) {
+    const auto first = TrainInChild(config, TemporaryFolder().path());
+    const auto second = TrainInChild(config, TemporaryFolder().path());
+    ASSERT_TRUE(first && second) << config.algorithm.name;
+    EXPECT_EQ(first->updates, 5u) << config.algorithm.name;
+    EXPECT_EQ(first->policy_hash, second->policy_hash) << config.algorithm.name;
+  }
+}
+
 TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
   Config config = TinyTraining(1);
   config.learner.max_updates = 0;

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <set>
 
 #include "common/config/config_schema.h"
+#include "common/config/config_yaml.h"
 #include "proto/named_scalar.h"
 #include "tests/learner/fake_algorithm.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {
@@ -25,7 +28,9 @@ Config Small(std::string_view name) {
 
 TEST(Registry, EachAlgorithmIsMadeAndDeclaresWhatItsEntrySays) {
   for (const AlgorithmEntry& entry : Algorithms()) {
-    const Config config = Small(entry.name);
+    Config config = Small(entry.name);
+    const std::filesystem::path presets = std::string(DADRL_SOURCE_DIR) + "/deploy/config/algorithms";
+    ASSERT_TRUE(LoadYaml(presets / (std::string(entry.name) + ".yaml"), config)) << entry.name;
     const auto algorithm = MakeAlgorithm(config);
     ASSERT_TRUE(algorithm) << algorithm.error().message;
     const AlgorithmSpec said = entry.spec(config);

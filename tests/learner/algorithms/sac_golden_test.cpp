@@ -7,6 +7,7 @@
 // update, which are a tenth of the gradients, and by the steps that follow from them.
 #include "common/util/isa.h"
 #include "tests/driving_columns.h"
+#include "tests/golden/scene_ways.h"
 #include "tests/learner/algorithms/sac_fixture.h"
 
 namespace dadrl {
@@ -26,11 +27,14 @@ struct Case {
   bool critic_layer_norm;
   double epsilon = 1e-5;
   int updates = 3;
+  bool scene = false;
 };
 
 Config ConfigOf(const Case& c, int threads) {
   Config config;
   config.model.encoders = c.encoders;
+  config.model.scene = config.observation.polylines = c.scene;
+  config.model.stae = !c.scene;
   config.model.context = c.context;
   config.model.critic_layer_norm = c.critic_layer_norm;
   config.model.hidden = 32;
@@ -44,9 +48,11 @@ Config ConfigOf(const Case& c, int threads) {
   return config;
 }
 
-TransitionBatch BatchOf(int update) {
-  TransitionBatch batch(DrivingShape{}, kBatch);
-  const auto read = [](Columns& observation, int index) {
+TransitionBatch BatchOf(int update, bool scene) {
+  const DrivingShape shape{.polylines = scene};
+  TransitionBatch batch(shape, kBatch);
+  const auto read = [&](Columns& observation, int index) {
+    if (scene) FillWays(shape, index, observation);
     const std::string suffix = std::to_string(index);
     std::ranges::copy(Floats("inputs/vehicles" + suffix), VehiclesOf(observation).begin());
     std::ranges::copy(Floats("inputs/ego" + suffix), EgoOf(observation).begin());
@@ -86,7 +92,7 @@ void RunUpdates(Sac& sac, const Case& c) {
   const std::vector<float> losses = Floats(c.folder + "/losses");
   const std::vector<float> errors = Floats(c.folder + "/td_error");
   for (int k = 0; k < c.updates; ++k) {
-    const auto stats = sac.Update(BatchOf(k));
+    const auto stats = sac.Update(BatchOf(k, c.scene));
     ASSERT_TRUE(stats) << stats.error().message;
     auto loss = losses.begin() + static_cast<ptrdiff_t>(k) * std::ssize(sac.scalars());
     for (const char* name : {"critic_loss", "actor_loss", "temperature_loss", "temperature", "entropy",
@@ -146,6 +152,22 @@ TEST_P(SacGolden, SeparateEncodersWithoutContext) {
 TEST_P(SacGolden, SharedEncoderWithoutContextWithLayerNorm) {
   CheckThreeUpdates({"update_shared_no_context", EncoderSharing::kShared, false, true}, GetParam(),
                     "average");
+}
+
+// Every 31st number of each tensor of the scene encoder and the heads.
+TEST_P(SacGolden, SceneEncoder) {
+  const Case c{.folder = "scene/update",
+               .encoders = EncoderSharing::kShared,
+               .context = false,
+               .critic_layer_norm = true,
+               .epsilon = 1e-3,  // many of its gradients are as small as their noise
+               .scene = true};
+  const std::unique_ptr<Sac> sac = MakeSac(c, GetParam());
+  RunUpdates(*sac, c);
+  golden::ExpectEveryNthAgrees(sac->policy().layout, FloatsOf(*sac, "policy"), Floats("scene/update/policy"),
+                               31, FirstTrained(*sac, c));
+  golden::ExpectEveryNthAgrees(sac->critic().layout, FloatsOf(*sac, "critic"), Floats("scene/update/critic"),
+                               31);
 }
 
 // After the first update: moments as PyTorch's, and every parameter whose gradient is above rounding noise
