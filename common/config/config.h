@@ -80,6 +80,9 @@ struct AlgorithmConfig {
   double initial_temperature = 0.05;
   double target_entropy = -2.0;
   double average_decay = 0.998;    // of the averaged policy, per update
+  double max_gradient_norm = 0.0;  // 0: no limit
+  double weight_decay = 0.0;       // of AdamW
+  int64_t warmup_updates = 0;      // until the learning rate is whole
 };
 
 struct ReplayConfig {

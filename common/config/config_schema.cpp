@@ -113,6 +113,11 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("algorithm.target_entropy", a.target_entropy, -100, 1.33, "Entropy the temperature aims at, nats");
   b.Because("two actions in [-1, 1] have at most 2 ln 2 = 1.386 nats, a squashed Gaussian 1.367");
   b.Add("algorithm.average_decay", a.average_decay, 0, 1, "Decay of the averaged policy, per update");
+  b.Add("algorithm.max_gradient_norm", a.max_gradient_norm, 0, 1e6,
+        "A longer gradient is scaled to it (dt); 0 is no limit");
+  b.Add("algorithm.weight_decay", a.weight_decay, 0, 1, "AdamW's decay of weight matrices (dt)");
+  b.Add("algorithm.warmup_updates", a.warmup_updates, 0, kHuge,
+        "Updates over which the learning rate rises from 0 (dt)");
 }
 
 void AddReplay(SchemaBuilder& b, Config& c) {

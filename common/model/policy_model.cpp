@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/config/config_schema.h"
+#include "common/model/decision_transformer_policy.h"
 #include "common/model/squashed_gaussian_policy.h"
 #include "common/util/shown.h"
 
@@ -15,7 +16,8 @@ struct Entry {
   Result<std::unique_ptr<PolicyModel>> (*make)(const StepSpec&, const ModelConfig&);
 };
 
-constexpr std::array kPolicyModels = {Entry{"squashed_gaussian", MakeSquashedGaussianPolicy}};
+constexpr std::array kPolicyModels = {Entry{"decision_transformer", MakeDecisionTransformerPolicy},
+                                      Entry{"squashed_gaussian", MakeSquashedGaussianPolicy}};
 
 const Entry* FindEntry(std::string_view name) {
   const auto* found = std::ranges::find(kPolicyModels, name, &Entry::name);

@@ -11,6 +11,7 @@
 #include "common/step/step_spec_of.h"
 #include "common/util/shown.h"
 #include "learner/algorithms/bc/behaviour_cloning.h"
+#include "learner/algorithms/dt/decision_transformer_learner.h"
 #include "learner/algorithms/sac.h"
 #include "proto/payload_codec.h"
 
@@ -27,6 +28,9 @@ constexpr std::array kAlgorithms = {
                    BehaviourCloning::SpecOf, Make<BehaviourCloning>},
     AlgorithmEntry{"dadrl", "Soft actor-critic on the attention encoder and bird's-eye planes (the paper's)",
                    Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{
+        "dt", "Decision transformer: clones, from an episode's history, by default the predictive driver",
+        DecisionTransformerLearner::SpecOf, Make<DecisionTransformerLearner>},
     AlgorithmEntry{"mst", "Soft actor-critic on a scene encoder: attention over histories and lane polylines",
                    Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",

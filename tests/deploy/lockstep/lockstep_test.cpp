@@ -75,7 +75,11 @@ TEST(Lockstep, OtherNetworksRepeatTheirWeightsToo) {
   scene.observation.polylines = scene.model.scene = true;
   scene.model.stae = scene.model.context = false;
   scene.algorithm.name = "mst";
-  for (const Config& config : {scene}) {
+  Config dt = scene;
+  dt.algorithm.name = "dt";
+  dt.model.policy = "decision_transformer";
+  dt.replay.sequence_length = 20;
+  for (const Config& config : {scene, dt}) {
     const auto first = TrainInChild(config, TemporaryFolder().path());
     const auto second = TrainInChild(config, TemporaryFolder().path());
     ASSERT_TRUE(first && second) << config.algorithm.name;
