@@ -82,6 +82,7 @@ struct AlgorithmConfig {
   double average_decay = 0.998;    // of the averaged policy, per update
   double max_gradient_norm = 0.0;  // 0: no limit
   double weight_decay = 0.0;       // of AdamW
+  int latent_steps = 1;            // that are predicted ahead
   int64_t warmup_updates = 0;      // until the learning rate is whole
 };
 

@@ -116,6 +116,8 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("algorithm.max_gradient_norm", a.max_gradient_norm, 0, 1e6,
         "A longer gradient is scaled to it (dt); 0 is no limit");
   b.Add("algorithm.weight_decay", a.weight_decay, 0, 1, "AdamW's decay of weight matrices (dt)");
+  b.Add("algorithm.latent_steps", a.latent_steps, 1, 32,
+        "Decisions over which the encoder learns to predict its own state (slt)");
   b.Add("algorithm.warmup_updates", a.warmup_updates, 0, kHuge,
         "Updates over which the learning rate rises from 0 (dt)");
 }

@@ -24,6 +24,7 @@ struct AlgorithmSpec {
   // sets actor.wait_for_policy, and CheckNeeds (registry.h) refuses a configuration that says otherwise.
   // False: version 1 is the policy of the first update, and actors drive at random until it arrives.
   bool acts_from_start = false;
+  bool trains_scene = false;  // has a loss of its own on the scene encoder: needs model.scene
 };
 
 // A named span of the algorithm's state, saved and restored as raw bytes by the checkpoint.

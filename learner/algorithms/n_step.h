@@ -38,4 +38,8 @@ class NStepReturns {
   std::vector<float> discount_;
 };
 
+// Fills `out`, of steps L and without the observations in between, with the first L steps of a batch that has
+// all observations and at least as many steps.
+void FirstSteps(const TrajectoryBatch& batch, TrajectoryBatch& out);
+
 }  // namespace dadrl

@@ -13,6 +13,7 @@
 #include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/dt/decision_transformer_learner.h"
 #include "learner/algorithms/sac.h"
+#include "learner/algorithms/slt/slt.h"
 #include "proto/payload_codec.h"
 
 namespace dadrl {
@@ -35,12 +36,21 @@ constexpr std::array kAlgorithms = {
                    Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",
                    Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{"slt", "The same as mst, whose encoder also learns to predict what it will say next",
+                   Slt::SpecOf, Make<Slt>},
 };
 
 std::vector<std::string> Names() {
   std::vector<std::string> names;
   for (const AlgorithmEntry& entry : kAlgorithms) names.emplace_back(entry.name);
   return names;
+}
+
+Status CheckEncoder(const Config& config, const AlgorithmSpec& spec) {
+  if (!spec.trains_scene || config.model.scene) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "algorithm.name: {} trains the scene encoder, and model.scene is false; set it to true",
+              config.algorithm.name);
 }
 
 Status CheckPriorities(const Config& config, const AlgorithmSpec& spec) {
@@ -91,6 +101,7 @@ Result<const AlgorithmEntry*> FindAlgorithm(std::string_view name) {
 }
 
 Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
+  DADRL_RETURN_IF_ERROR(CheckEncoder(config, spec));
   DADRL_RETURN_IF_ERROR(CheckPriorities(config, spec));
   DADRL_RETURN_IF_ERROR(CheckBatch(config, spec.batch));
   return CheckActors(config, spec);

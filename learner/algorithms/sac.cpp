@@ -80,6 +80,10 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
   }
 }
 
+void Sac::EncoderChanged() {
+  if (shared()) std::ranges::copy(encoder_parameters(), policy_parameters_.data());
+}
+
 AlgorithmSpec Sac::SpecOf(const Config& config) {
   return {.batch = {.count = config.algorithm.batch_size, .steps = config.algorithm.n_step},
           .scalars = kScalars,

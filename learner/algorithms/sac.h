@@ -47,6 +47,12 @@ class Sac final : public Algorithm {
 
   const PolicyNetwork& policy() const { return policy_; }
   const CriticNetwork& critic() const { return critic_; }
+  // Of the critics' encoder, for another loss to step between updates; EncoderChanged then lets the policy's
+  // copy of a shared encoder follow.
+  std::span<float> encoder_parameters() {
+    return critic_parameters_.span().first(critic_.encoder_range.count);
+  }
+  void EncoderChanged();
 
  private:
   // The four parts of an update, on one thread's share.

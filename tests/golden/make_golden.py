@@ -326,8 +326,9 @@ class PaperEncoder:
         return encode(p, observation(k, self.context), True, self.context)
 
 
-def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=(), step=1):
-    """Of the tensors every `step`th number is stored."""
+def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=(), step=1, before=None):
+    """Of the tensors every `step`th number is stored. With `before(k, critic)`, which is called before each update, the
+    discounts are those of single steps."""
     hidden, features = 32, network.features
     encoder = network.shapes
     flat = lambda values: np.concatenate([v.detach().numpy().ravel()[::step] for v in values])
@@ -351,6 +352,9 @@ def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=
     losses, errors = [], []
     for k in range(updates):
         action, reward, discount, weight, next_noise, now_noise = map(tensor, actor_batch(k))
+        if before:
+            before(k, critic)
+            discount = tensor(np.where(discount > 0, np.float32(0.99), np.float32(0)))
         now, after = k, k + 1
         alpha = log_alpha.exp().detach()
         with torch.no_grad():

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import torch
 import torch.nn.functional as F
-from make_golden import (BATCH, HISTORY, VEHICLES, make_ego, make_parameters, make_vehicles, save, tensor, uniform,
+from make_golden import (BATCH, HISTORY, VEHICLES, actor_batch, make_ego, make_parameters, make_vehicles, save, tensor, uniform,
                          write_updates)
 
 WAYS, POINTS = 2, 10
@@ -89,6 +89,43 @@ class SceneEncoder:
         return (around + goal)[:, 0]
 
 
+class LatentPrediction:
+    """Before each update: a step of the encoder and of the prediction of what it says one step later."""
+
+    shapes = ([('action.weight', (2, 64), 2), ('action.bias', (64,), 2)] +
+              attention_shapes('attention', 192, 192, 1, 128) +
+              [('projector1.weight', (128, 256), 128), ('projector1.bias', (256,), 128),
+               ('projector2.weight', (256, 128), 256), ('projector2.bias', (128,), 256),
+               ('predictor.weight', (128, 128), 128), ('predictor.bias', (128,), 128)])
+
+    def __init__(self, network):
+        self.network = network
+        self.p = make_parameters(4, self.shapes)
+        self.adam = None
+        self.losses = []
+
+    def project(self, x):
+        return F.relu(dense(self.p, 'projector2', F.relu(dense(self.p, 'projector1', x))))
+
+    def __call__(self, k, critic):
+        encoder = [v for n, v in critic.items() if n.startswith('encoder.')]
+        if self.adam is None:
+            self.adam = torch.optim.Adam(encoder + list(self.p.values()), lr=3e-4, eps=1e-5)
+        action, _, discount, *_ = actor_batch(k)
+        acted = torch.cat([self.network(critic, k), F.relu(dense(self.p, 'action', tensor(action)))], 1)
+        # Attention over a single step.
+        attended = dense(self.p, 'attention.output', dense(self.p, 'attention.value', acted))
+        prediction = dense(self.p, 'predictor', self.project(attended))
+        with torch.no_grad():
+            target = self.project(self.network(critic, k + 1))
+        followed = torch.tensor(discount > 0)
+        loss = -F.cosine_similarity(prediction, target)[followed].mean()
+        self.adam.zero_grad(set_to_none=True)
+        loss.backward()
+        self.adam.step()
+        self.losses.append(loss.item())
+
+
 if __name__ == '__main__':
     network = SceneEncoder()
     p = make_parameters(47, network.shapes)
@@ -97,3 +134,7 @@ if __name__ == '__main__':
     save('scene/output', features)
     save('scene/gradient', np.concatenate([v.grad.numpy().ravel()[::31] for v in p.values()]))
     write_updates('scene/update', True, network, True, 1e-3, extras=('parameters',), step=31)
+    latent = LatentPrediction(network)
+    write_updates('slt', True, network, True, 1e-5, extras=('parameters',), step=31, before=latent)
+    save('slt/latent_losses', latent.losses)
+    save('slt/latent', np.concatenate([v.detach().numpy().ravel()[::31] for v in latent.p.values()]))

@@ -75,11 +75,14 @@ TEST(Lockstep, OtherNetworksRepeatTheirWeightsToo) {
   scene.observation.polylines = scene.model.scene = true;
   scene.model.stae = scene.model.context = false;
   scene.algorithm.name = "mst";
+  Config slt = scene;
+  slt.algorithm.name = "slt";
+  slt.replay.sequence_length = 3;
   Config dt = scene;
   dt.algorithm.name = "dt";
   dt.model.policy = "decision_transformer";
   dt.replay.sequence_length = 20;
-  for (const Config& config : {scene, dt}) {
+  for (const Config& config : {scene, slt, dt}) {
     const auto first = TrainInChild(config, TemporaryFolder().path());
     const auto second = TrainInChild(config, TemporaryFolder().path());
     ASSERT_TRUE(first && second) << config.algorithm.name;
