@@ -49,6 +49,7 @@ constexpr EnumArray<Metric, std::string_view> kMetricNames = {
     "duplicate_chunks",
     "lost_chunks",
     "refused_requests",
+    "refused_priorities",
     "frames_held",
     "memory_bytes",
     "disk_bytes",

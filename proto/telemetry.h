@@ -48,13 +48,14 @@ enum class Metric : int {
   kRejectedContents,
   kRejectedSchema,
   kRejectedStale,
-  kDuplicateChunks,  // stored before; dropped
-  kLostChunks,       // skipped: their actors no longer have them
-  kRefusedRequests,  // for batches that could never be served
-  kFramesHeld,       // now
-  kMemoryBytes,      // now
-  kDiskBytes,        // now
-  kSnapshotBytes,    // now, held by snapshots alone
+  kDuplicateChunks,    // stored before; dropped
+  kLostChunks,         // skipped: their actors no longer have them
+  kRefusedRequests,    // for batches that could never be served
+  kRefusedPriorities,  // that no error has; their items keep theirs
+  kFramesHeld,         // now
+  kMemoryBytes,        // now
+  kDiskBytes,          // now
+  kSnapshotBytes,      // now, held by snapshots alone
   // learner
   kUpdates,                // cumulative
   kWeightsVersion,         // now

@@ -33,6 +33,7 @@ constexpr RejectionKind kRejectionKinds[] = {
     {dds::Role::kReplay, Metric::kDuplicateChunks, "duplicate"},
     {dds::Role::kReplay, Metric::kLostChunks, "lost"},
     {dds::Role::kReplay, Metric::kRefusedRequests, "refused request"},
+    {dds::Role::kReplay, Metric::kRefusedPriorities, "impossible priority"},
     {dds::Role::kLearner, Metric::kCorruptBatches, "corrupt batch"},
 };
 

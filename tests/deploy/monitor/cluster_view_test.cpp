@@ -207,6 +207,7 @@ TEST(ClusterView, AddsUpWhatWasRejectedByKindOverShardsAndRestarts) {
     ProcessStatus replay = MakeStatus(dds::Role::kReplay, shard, 5.0, 1);
     replay[Metric::kDuplicateChunks] = 10;
     replay[Metric::kRejectedChecksum] = 1;
+    replay[Metric::kRefusedPriorities] = 2;
     view.Add(replay, kStart);
   }
   ProcessStatus restarted = MakeStatus(dds::Role::kReplay, 1, 1.0, 2);
@@ -215,10 +216,10 @@ TEST(ClusterView, AddsUpWhatWasRejectedByKindOverShardsAndRestarts) {
   ProcessStatus learner = MakeStatus(dds::Role::kLearner, 0, 5.0);
   learner[Metric::kCorruptBatches] = 4;
   view.Add(learner, kStart);
-  EXPECT_THAT(
-      view.Summarize(kStart + seconds(1)).rejected,
-      testing::UnorderedElementsAre(testing::Pair("duplicate", 23.0), testing::Pair("wrong checksum", 2.0),
-                                    testing::Pair("corrupt batch", 4.0)));
+  EXPECT_THAT(view.Summarize(kStart + seconds(1)).rejected,
+              testing::UnorderedElementsAre(
+                  testing::Pair("duplicate", 23.0), testing::Pair("wrong checksum", 2.0),
+                  testing::Pair("impossible priority", 4.0), testing::Pair("corrupt batch", 4.0)));
 }
 
 TEST(ClusterView, RatesOfTheLastHundredEpisodes) {
