@@ -32,6 +32,8 @@ constexpr EnumArray<FaultKind, Description> kDescriptions = {
     Description{"incarnation", "the clock alone tells this process from the one before it",
                 "starts are written down again"},
     Description{"results", "training goes on, its results are not saved", "results are saved again"},
+    Description{"processes", "a monitor that starts now does not see who hangs",
+                "the list of processes is written again"},
 };
 static_assert(!kDescriptions.back().name.empty());
 

@@ -28,6 +28,7 @@ enum class FaultKind : int {
   kEpisodeLog,      // launcher and actors: episodes are not written down
   kIncarnation,     // that this process was started is not written down
   kResults,         // launcher: results.json or the record of a choice is not written
+  kProcesses,       // launcher: processes.json is not written
   kCount,
 };
 

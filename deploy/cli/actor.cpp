@@ -4,16 +4,20 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "common/config/config_yaml.h"
 #include "common/config/validate.h"
 #include "common/dds/address.h"
+#include "common/io/link_file.h"
 #include "common/io/run_key.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/episode_log.h"
+#include "deploy/local/fault_history.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_finder.h"
+#include "deploy/local/run_health.h"
 #include "deploy/local/run_watch.h"
 #include "deploy/local/signals.h"
 #include "deploy/local/supervisor.h"
@@ -39,7 +43,10 @@ constexpr Duration kPatience = std::chrono::seconds(15);
 Result<std::string> Key(const ActorOptions& options, const std::string& host) {
   if (!options.key_file.empty()) return ReadRunKey(options.key_file);
   DADRL_ASSIGN_OR_RETURN(const std::string address, dds::ResolveHost(host));
-  return dds::IsLoopback(address) ? LoadRunKey("runs/latest") : std::string();
+  if (!dds::IsLoopback(address)) return std::string();
+  auto key = ReadRunKey(RunKeyFile(FollowLinks("runs/latest")));
+  if (!key && key.error().code == ErrorCode::kNotFound) return std::string();
+  return key;
 }
 
 // Without throwing where standard error is gone, as fmt::print would.
@@ -48,12 +55,13 @@ void Say(const std::string& text) { std::fputs((text + "\n").c_str(), stderr); }
 // The actors of one join, from their start to the exit code.
 class JoinedActors {
  public:
-  JoinedActors(const Config& config, SignalWatcher& signals, std::unique_ptr<RunWatch> watch,
-               EpisodeLog episodes)
+  JoinedActors(const RunPaths& paths, const Config& config, SignalWatcher& signals,
+               std::unique_ptr<RunWatch> watch, EpisodeLog episodes)
       : signals_(signals),
         watch_(std::move(watch)),
         episodes_(std::move(episodes)),
-        supervisor_(RestartLimits{}, HangLimits::Of(config.cluster), clock_, Say) {}
+        supervisor_(RestartLimits{}, HangLimits::Of(config.cluster), clock_, Say),
+        health_(paths.processes(), clock_, faults_) {}
 
   // Supervises until the user stops it, the run has ended, or no actor is left.
   Result<int> Run(std::vector<ProcessSpec> specs) {
@@ -67,7 +75,7 @@ class JoinedActors {
       poll(fds.data(), fds.size(), static_cast<int>(wait.count()));
       supervisor_.Step();
       ReapAdopted(supervisor_.RunningPids());
-      UpdateEpisodes();
+      KeepFiles();
       if (signals_.PauseRequested()) {
         signals_.PauseWith(supervisor_.RunningPids(), [&](Duration paused) { supervisor_.AddPause(paused); });
       }
@@ -77,7 +85,7 @@ class JoinedActors {
       }
       LookAtRun();
     }
-    UpdateEpisodes();
+    KeepFiles();
     return lost_run_ || supervisor_.Lost() ? 1 : 0;
   }
 
@@ -93,10 +101,13 @@ class JoinedActors {
       Stop("the run does not come back: the actors that joined it end");
     }
   }
-  void UpdateEpisodes() {
-    const Status written = episodes_.Update();
-    const bool failed_before = std::exchange(failing_, !written);
-    if (!written && !failed_before) Say(written.error().message);
+  // The episodes, and what a monitor is to know of the actors.
+  void KeepFiles() {
+    faults_.Report(FaultKind::kEpisodeLog, episodes_.Update());
+    health_.Step(supervisor_, false);  // whether it trains is for the run to say
+    std::vector<ProcessFault> lasting;
+    for (Fault& fault : faults_.Current()) lasting.push_back({"launcher", std::move(fault)});
+    for (const std::string& line : fault_history_.Update(lasting, clock_.Now())) Say(line);
   }
   void Stop(const char* why) {
     if (std::exchange(stopping_, true)) return;
@@ -109,7 +120,9 @@ class JoinedActors {
   const std::unique_ptr<RunWatch> watch_;
   EpisodeLog episodes_;
   Supervisor supervisor_;
-  bool failing_ = false;  // to write the episodes
+  FaultBoard faults_{clock_, FaultBoard::Logging::kOff};  // what is said goes to the terminal
+  FaultHistory fault_history_;
+  RunHealth health_;
   bool stopping_ = false;
   bool lost_run_ = false;
 };
@@ -151,7 +164,8 @@ Result<int> RunJoin(const ActorOptions& options) {
              directory.paths().logs().string());
   DADRL_ASSIGN_OR_RETURN(EpisodeLog episodes,
                          EpisodeLog::Open(directory.paths().episodes(), directory.paths().logs()));
-  return JoinedActors(config, *signals, std::move(watch), std::move(episodes)).Run(std::move(specs));
+  return JoinedActors(directory.paths(), config, *signals, std::move(watch), std::move(episodes))
+      .Run(std::move(specs));
 }
 
 }  // namespace

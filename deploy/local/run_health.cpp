@@ -14,13 +14,8 @@ constexpr Duration kInterval = std::chrono::milliseconds(250);
 
 }  // namespace
 
-RunHealth::RunHealth(std::filesystem::path file, const Clock& clock,
-                     std::function<void(const std::string&)> message)
-    : file_(std::move(file)),
-      clock_(clock),
-      message_(std::move(message)),
-      next_(clock.Now()),
-      stall_(clock.Now()) {
+RunHealth::RunHealth(std::filesystem::path file, const Clock& clock, FaultBoard& faults)
+    : file_(std::move(file)), clock_(clock), faults_(faults), next_(clock.Now()), stall_(clock.Now()) {
   lost_.Skip(clock.Now());
 }
 
@@ -35,7 +30,9 @@ void RunHealth::Step(const Supervisor& supervisor, bool training) {
     lost_.Skip(now);
     fault_.clear();
   }
-  if (supervision_ != before || save_failed_) Save();
+  if (supervision_ != before || faults_.Lasts(FaultKind::kProcesses)) {
+    faults_.Report(FaultKind::kProcesses, SaveSupervision(file_, supervision_));
+  }
 }
 
 void RunHealth::Sum(const Supervisor& supervisor, TimePoint now) {
@@ -64,12 +61,6 @@ std::string RunHealth::StallOf(const Supervisor& supervisor, TimePoint now) {
 void RunHealth::AddPause(Duration paused) {
   stall_.AddPause(paused);
   lost_.Skip(clock_.Now());
-}
-
-void RunHealth::Save() {
-  const Status saved = SaveSupervision(file_, supervision_);
-  const bool failed_before = std::exchange(save_failed_, !saved);
-  if (!saved && !failed_before) message_(saved.error().message + "; a monitor will not see who hangs");
 }
 
 }  // namespace dadrl

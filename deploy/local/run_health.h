@@ -3,10 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "common/util/clock.h"
+#include "common/util/fault.h"
 #include "deploy/local/lost_time.h"
 #include "deploy/local/stall_watch.h"
 #include "deploy/local/supervisor.h"
@@ -17,8 +17,8 @@ namespace dadrl {
 // Not thread safe. Writes `file` without waiting for the device.
 class RunHealth {
  public:
-  // Borrows `clock`; `message` is told, once, that the file cannot be written.
-  RunHealth(std::filesystem::path file, const Clock& clock, std::function<void(const std::string&)> message);
+  // Borrows both; `faults` is told whether the file can be written.
+  RunHealth(std::filesystem::path file, const Clock& clock, FaultBoard& faults);
 
   // Looks at the processes, a few times a second however often it is called. While `training`, the time in
   // which they do not train counts as lost.
@@ -34,17 +34,15 @@ class RunHealth {
  private:
   void Sum(const Supervisor& supervisor, TimePoint now);
   std::string StallOf(const Supervisor& supervisor, TimePoint now);
-  void Save();
 
   const std::filesystem::path file_;
   const Clock& clock_;
-  const std::function<void(const std::string&)> message_;
+  FaultBoard& faults_;
   TimePoint next_;
   Supervision supervision_;
   StallWatch stall_;
   LostTime lost_;
   std::string fault_;
-  bool save_failed_ = false;
 };
 
 }  // namespace dadrl

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "common/dds/address.h"
+#include "common/dds/cluster_key.h"
 #include "common/io/atomic_file.h"
-#include "common/io/run_key.h"
 #include "deploy/local/cluster_processes.h"
 #include "deploy/local/policy_selection.h"
 #include "deploy/monitor/bottleneck.h"
@@ -29,7 +29,7 @@ TrainingRun::TrainingRun(const RunPaths& paths, const Config& config, bool resum
       display_(display),
       supervisor_(RestartLimits{}, HangLimits::Of(config.cluster), clock_,
                   [this](const std::string& text) { display_.Message(text); }),
-      health_(paths.processes(), clock_, [this](const std::string& text) { display_.Message(text); }),
+      health_(paths.processes(), clock_, faults_),
       results_(RunResults::Load(paths.results(), config)),
       results_writer_([file = paths.results()](const std::string& text) {
         return WriteFileAtomically(file, std::string_view(text));
@@ -49,7 +49,7 @@ Result<std::unique_ptr<TrainingRun>> TrainingRun::Create(const RunPaths& paths, 
 }
 
 Status TrainingRun::OpenTelemetry() {
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths_.root));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, dds::LoadClusterKey(paths_.root, config_.cluster));
   auto monitor = ClusterMonitor::Open(config_, key, clock_);
   if (monitor) {
     monitor_ = std::move(*monitor);

@@ -87,10 +87,10 @@ class TrainingRun {
   ProgressDisplay& display_;
   SystemClock clock_;
   Supervisor supervisor_;
-  RunHealth health_;
-  std::unique_ptr<ClusterMonitor> monitor_;               // empty without telemetry
-  std::optional<EpisodeLog> episodes_;                    // there after Create
   FaultBoard faults_{clock_, FaultBoard::Logging::kOff};  // the launcher's own; the display speaks of them
+  RunHealth health_;
+  std::unique_ptr<ClusterMonitor> monitor_;  // empty without telemetry
+  std::optional<EpisodeLog> episodes_;       // there after Create
   FaultHistory fault_history_;
   uint64_t earlier_episodes_ = 0;  // of earlier sessions
   uint64_t earlier_env_steps_ = 0;

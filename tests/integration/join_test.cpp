@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "common/dds/node.h"
+#include "deploy/monitor/supervision.h"
 #include "tests/integration/cluster_under_test.h"
 
 namespace dadrl {
@@ -39,6 +40,12 @@ TEST_F(Join, OneActorHasANumberTheOtherIsToldAndBothEndWithTheRun) {
   const auto drives = [](const json& monitor) { return MetricOf(monitor, "actor-7", "decisions"); };
   const auto before = cluster.MonitorUntil([&](const json& monitor) { return drives(monitor) > 0.0; });
   ASSERT_TRUE(before) << cluster.Said() << FileText(LogOf("first"));
+
+  // What a monitor goes by that is started later, or when telemetry fails.
+  EXPECT_TRUE(Eventually([&] {
+    const auto known = LoadSupervision(folder_.path() / "first" / "processes.json");
+    return known && known->Find("actor-7") != nullptr && known->Find("actor-7")->pid > 0;
+  }));
 
   const CommandOutput second = RunCommand(Command("second"));
   EXPECT_EQ(second.exit_code, 1) << FileText(folder_.path() / "second" / "logs" / "actor-7.log");
