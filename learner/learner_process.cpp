@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
+#include "common/dds/cluster_key.h"
 #include "common/dds/node.h"
 #include "common/io/incarnation.h"
-#include "common/io/run_key.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
 #include "common/util/shutdown.h"
@@ -24,7 +24,7 @@ namespace dadrl {
 
 Status RunLearner(const Config& config, const std::filesystem::path& run_directory, bool resume) {
   // The ports come first: a second learner of the run stops here, before it touches a file.
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(run_directory));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, dds::LoadClusterKey(run_directory, config.cluster));
   DADRL_ASSIGN_OR_RETURN(
       const std::unique_ptr<dds::Node> node,
       dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kLearner, 0, key));

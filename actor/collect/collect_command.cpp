@@ -13,9 +13,9 @@
 #include "actor/experience/experience_writer.h"
 #include "actor/experience/lease_holder.h"
 #include "actor/experience/weights_subscriber.h"
+#include "common/dds/cluster_key.h"
 #include "common/dds/node.h"
 #include "common/io/incarnation.h"
-#include "common/io/run_key.h"
 #include "common/liveness/working_thread.h"
 #include "common/model/policy_model.h"
 #include "common/step/step_spec_of.h"
@@ -85,7 +85,7 @@ Result<std::unique_ptr<Actor>> Actor::Create(const CollectOptions& options) {
 // Everything that the run knows of this actor has its number in it, so nothing begins before it has one.
 Status Actor::TakeNumber() {
   const Config& config = options_.config;
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, dds::LoadClusterKey(options_.run_directory, config.cluster));
   DADRL_ASSIGN_OR_RETURN(
       node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, options_.index, key));
   const std::string name = fmt::format("actor-{}", options_.index);

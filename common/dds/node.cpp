@@ -8,6 +8,7 @@
 
 #include "common/dds/address.h"
 #include "common/dds/bound_sockets.h"
+#include "common/dds/cluster_key.h"
 #include "common/dds/log_sink.h"
 #include "common/dds/steady_wait.h"
 #include "common/util/log.h"
@@ -88,7 +89,7 @@ Result<Place> FindPlace(const ClusterConfig& cluster, Role role, const std::stri
     return Fail(ErrorCode::kInvalidArgument,
                 "cluster.require_key is set, and there is no key: the run's is in RUN/key");
   }
-  if (cluster.require_key || IsLoopback(cluster.host)) place.tag = key;
+  if (AsksForKey(cluster)) place.tag = key;
   return place;
 }
 

@@ -45,16 +45,10 @@ Result<std::string> ReadRunKey(const std::filesystem::path& file) {
               kDigits);
 }
 
-Result<std::string> LoadRunKey(const std::filesystem::path& run_directory) {
-  auto key = ReadRunKey(RunKeyFile(run_directory));
-  if (!key && key.error().code == ErrorCode::kNotFound) return std::string();
-  return key;
-}
-
 Result<std::string> EnsureRunKey(const std::filesystem::path& run_directory) {
-  DADRL_ASSIGN_OR_RETURN(std::string key, LoadRunKey(run_directory));
-  if (!key.empty()) return key;
-  DADRL_ASSIGN_OR_RETURN(key, RandomKey());
+  auto kept = ReadRunKey(RunKeyFile(run_directory));
+  if (kept || kept.error().code != ErrorCode::kNotFound) return kept;
+  DADRL_ASSIGN_OR_RETURN(const std::string key, RandomKey());
   DADRL_RETURN_IF_ERROR(SaveRunKey(run_directory, key));
   return key;
 }

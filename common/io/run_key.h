@@ -21,7 +21,4 @@ Status SaveRunKey(const std::filesystem::path& run_directory, const std::string&
 // kNotFound when there is none, kCorrupt when the file holds something else. Follows no link.
 Result<std::string> ReadRunKey(const std::filesystem::path& file);
 
-// The key in the run's folder; "" when it has none, as in one that no launcher made.
-Result<std::string> LoadRunKey(const std::filesystem::path& run_directory);
-
 }  // namespace dadrl

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/dds/cluster_key.h"
 #include "common/io/link_file.h"
-#include "common/io/run_key.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/run_directory.h"
 #include "deploy/local/run_results.h"
@@ -104,7 +104,7 @@ Result<int> RunMonitor(const MonitorOptions& options) {
   }
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   const SystemClock clock;
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(paths.root));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, dds::LoadClusterKey(paths.root, config.cluster));
   DADRL_ASSIGN_OR_RETURN(const auto monitor, ClusterMonitor::Open(config, key, clock));
   Status heard = Listen(*monitor, config, *signals, clock);
   // A silent cluster is what one would like to be told of.

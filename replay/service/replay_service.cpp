@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/config/config_yaml.h"
-#include "common/io/run_key.h"
+#include "common/dds/cluster_key.h"
 #include "common/step/step_spec_of.h"
 #include "common/util/fault.h"
 #include "common/util/log.h"
@@ -54,7 +54,7 @@ Result<std::unique_ptr<ReplayService>> ReplayService::Create(const Options& opti
 
 Status ReplayService::Join() {
   const Config& config = options_.config;
-  DADRL_ASSIGN_OR_RETURN(const std::string key, LoadRunKey(options_.run_directory));
+  DADRL_ASSIGN_OR_RETURN(const std::string key, dds::LoadClusterKey(options_.run_directory, config.cluster));
   DADRL_ASSIGN_OR_RETURN(node_, dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kReplay,
                                                   static_cast<int>(options_.shard), key));
   if (options_.shard == 0) DADRL_RETURN_IF_ERROR(AnnounceRun());
@@ -158,6 +158,7 @@ void ReplayService::PublishStatus() {
   status[Metric::kDuplicateChunks] = table.duplicate_chunks;
   status[Metric::kLostChunks] = table.lost_chunks;
   status[Metric::kRefusedRequests] = server_->statistics().refused_requests;
+  status[Metric::kRefusedPriorities] = table.refused_priorities;
   status[Metric::kFramesHeld] = table.frames_held;
   status[Metric::kMemoryBytes] = ResidentBytes();
   status[Metric::kDiskBytes] = table.disk_bytes;

@@ -13,6 +13,7 @@
 #include "common/util/log.h"
 #include "proto/topics.h"
 #include "tests/bench/chunk_stream.h"
+#include "tests/common/io/test_run_key.h"
 
 namespace dadrl::bench {
 namespace {
@@ -34,7 +35,7 @@ T Need(Result<T> result) {
 }
 
 std::unique_ptr<dds::Node> Join(const Config& config, dds::Role role, int index) {
-  return Need(dds::Node::Create(config.cluster, config.replay.shards, role, index));
+  return Need(dds::Node::Create(config.cluster, config.replay.shards, role, index, kTestRunKey));
 }
 
 class Feeder {

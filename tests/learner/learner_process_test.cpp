@@ -12,11 +12,13 @@
 #include "common/config/config_yaml.h"
 #include "common/io/atomic_file.h"
 #include "common/io/read_file.h"
+#include "common/io/run_key.h"
 #include "common/model/policy_file.h"
 #include "learner/checkpoint_store.h"
 #include "tests/common/dds/dds_fixture.h"
 #include "tests/common/io/small_disk.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/learner/cluster_fixture.h"
 #include "tests/paths.h"
 
@@ -78,6 +80,7 @@ class LearnerProcessTest : public testing::Test {
 
   std::unique_ptr<Process> Start(bool resume = false) {
     EXPECT_TRUE(WriteFileAtomically(folder_.path() / "config.yaml", ToYaml(config_, false)));
+    GiveKey();
     std::vector<std::string> arguments = {DADRL_BINARY_DIR "/bin/dadrl-learner", "--config",
                                           (folder_.path() / "config.yaml").string(), "--run-dir",
                                           (folder_.path() / "run").string()};
@@ -85,15 +88,20 @@ class LearnerProcessTest : public testing::Test {
     return std::make_unique<Process>(arguments, log_);
   }
   std::string Log() const { return ReadTextFile(log_, kNoLimit).value(); }
+  void GiveKey() const {
+    const auto run = folder_.path() / "run";
+    std::filesystem::create_directories(run);
+    if (!std::filesystem::exists(RunKeyFile(run))) EXPECT_TRUE(SaveRunKey(run, kTestRunKey));
+  }
   std::filesystem::path Checkpoints() const { return folder_.path() / "run" / "checkpoints"; }
 
   // A shard that answers every request at once, and an actor that listens to the weights.
   void StartShard() {
     serving_ = true;
     shard_ = std::thread([this] {
-      const auto replay = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0).value();
+      const auto replay = dds::Node::Create(config_.cluster, 1, dds::Role::kReplay, 0, kTestRunKey).value();
       TestShard shard(*replay, 0);
-      const auto actor = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 0).value();
+      const auto actor = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 0, kTestRunKey).value();
       const auto weights = Reader<dadrl_idl_Weights>::Create(*actor, kWeightsTopic).value();
       while (serving_) {
         for (const auto& request : shard.TakeRequests()) {
@@ -185,6 +193,7 @@ TEST_F(LearnerProcessTest, TerminatedWhileItWaitsForAReplayLeavesAtOnce) {
 TEST_F(LearnerProcessTest, OnADiskThatIsFullFromItsStartOnItTrainsAndItsLastCheckpointWaitsForRoom) {
   const SmallDisk disk(folder_.path() / "run", "8m");
   ASSERT_TRUE(disk.mounted()) << disk.why();
+  GiveKey();
   disk.Fill();
   config_.learner.max_updates = 30;
   StartShard();
@@ -254,6 +263,15 @@ TEST_F(LearnerProcessTest, WrongUsageIsExitCodeTwo) {
   EXPECT_EQ(
       Process({program, "--config", config.string(), "--run-dir", folder_.path().string()}, log_).Wait(), 2);
   EXPECT_THAT(Log(), HasSubstr("algorithm.gamma"));
+}
+
+TEST_F(LearnerProcessTest, WithADamagedKeyItDoesNotTakePart) {
+  std::filesystem::create_directories(folder_.path() / "run");
+  ASSERT_TRUE(WriteFileAtomically(RunKeyFile(folder_.path() / "run"), "short\n"));
+  EXPECT_EQ(Start()->Wait(), 1) << Log();
+  EXPECT_THAT(Log(), HasSubstr("holds no key of a run"));
+  EXPECT_THAT(Log(), HasSubstr("put the file back"));
+  EXPECT_FALSE(std::filesystem::exists(Checkpoints()));
 }
 
 TEST_F(LearnerProcessTest, ASecondLearnerOfTheClusterIsRefusedBeforeItTouchesTheRun) {

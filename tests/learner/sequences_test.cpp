@@ -8,6 +8,7 @@
 
 #include "common/dds/node.h"
 #include "learner/batch_fetcher.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/driving_columns.h"
 #include "tests/replay/service/peer_actor.h"
 #include "tests/replay/service/replay_process.h"
@@ -46,7 +47,7 @@ class SequencesOverDdsTest : public testing::Test {
       replay = std::make_unique<ReplayProcess>(folder_.path() / "run", config_, shard);
       replay->Start();
     }
-    node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
+    node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0, kTestRunKey).value();
   }
   std::unique_ptr<BatchFetcher> Fetcher(const Config& config) const {
     auto fetcher =
@@ -61,7 +62,8 @@ class SequencesOverDdsTest : public testing::Test {
   void Drive(int shard, int episodes) {
     const auto id = static_cast<uint32_t>(shard + 1);
     Random random(id);
-    const auto node = dds::Node::Create(config_.cluster, kShards, dds::Role::kActor, shard).value();
+    const auto node =
+        dds::Node::Create(config_.cluster, kShards, dds::Role::kActor, shard, kTestRunKey).value();
     PeerActor actor(*node, id, 100, shard);
     for (int number = 1; number <= episodes; ++number) {
       const uint8_t end = number == episodes ? 0 : random.Uniform() < 0.5 ? kTerminated : kTruncated;
@@ -195,7 +197,7 @@ TEST_F(SequencesOverDdsTest, AReplayWithoutThemRefusesTheLearnerWithTheReason) {
 }
 
 TEST_F(SequencesOverDdsTest, EachKindNeedsAReplayThatServesIt) {
-  node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0).value();
+  node_ = dds::Node::Create(config_.cluster, kShards, dds::Role::kLearner, 0, kTestRunKey).value();
   const auto newest = [] { return 1u; };
   const auto transitions = BatchFetcher::Create(*node_, config_, {kBatch}, 77, newest, clock_, {});
   ASSERT_FALSE(transitions);

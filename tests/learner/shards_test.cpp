@@ -5,6 +5,7 @@
 
 #include "common/dds/node.h"
 #include "learner/batch_fetcher.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/replay/service/peer_actor.h"
 #include "tests/replay/service/replay_process.h"
 
@@ -31,7 +32,7 @@ class ShardsTest : public testing::Test {
           std::make_unique<ReplayProcess>(folder_.path() / "run", config_, shard);
       replays_[static_cast<size_t>(shard)]->Start();
     }
-    learner_node_ = dds::Node::Create(config_.cluster, 2, dds::Role::kLearner, 0).value();
+    learner_node_ = dds::Node::Create(config_.cluster, 2, dds::Role::kLearner, 0, kTestRunKey).value();
     fetcher_ =
         BatchFetcher::Create(*learner_node_, config_, {kBatch}, 77, [] { return 1u; }, clock_, {}).value();
     fetcher_->Start();
@@ -39,7 +40,7 @@ class ShardsTest : public testing::Test {
   // Actor `shard` + 1 fills its shard with episodes of four frames.
   void Fill(int shard, int episodes) {
     const auto id = static_cast<uint32_t>(shard + 1);
-    const auto node = dds::Node::Create(config_.cluster, 2, dds::Role::kActor, shard).value();
+    const auto node = dds::Node::Create(config_.cluster, 2, dds::Role::kActor, shard, kTestRunKey).value();
     PeerActor actor(*node, id, 100, shard);
     for (int i = 1; i <= episodes; ++i) actor.Add({.episode = static_cast<uint64_t>(i), .end = kTerminated});
     ASSERT_TRUE(actor.PumpUntilStored(static_cast<uint64_t>(episodes)));

@@ -12,11 +12,13 @@
 #include "common/config/config_yaml.h"
 #include "common/dds/node.h"
 #include "common/io/checksum.h"
+#include "common/io/run_key.h"
 #include "common/model/policy_model.h"
 #include "proto/evaluation/episode_line.h"
 #include "proto/telemetry.h"
 #include "tests/actor/experience/replay_peer.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/paths.h"
 
 namespace dadrl {
@@ -67,6 +69,7 @@ class ActorProcessTest : public ::testing::Test {
     config_.actor.chunk_frames = 8;
     config_.telemetry.interval_s = 0.1;
     SaveConfig();
+    EXPECT_TRUE(SaveRunKey(root_, kTestRunKey));
   }
   void SaveConfig() { std::ofstream(root_ / "config.yaml") << ToYaml(config_, false); }
   std::vector<std::string> Arguments() const {
@@ -81,7 +84,7 @@ class ActorProcessTest : public ::testing::Test {
   }
   void PublishPolicy(uint32_t version, uint64_t other_layout = 0) {
     if (!learner_) {
-      learner_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
+      learner_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0, kTestRunKey).value();
       weights_ = Writer<dadrl_idl_Weights>::Create(*learner_, kWeightsTopic).value();
     }
     const auto policy = MakePolicyModel(DrivingShape::From(config_.observation), config_.model).value();
@@ -237,6 +240,13 @@ TEST_F(ActorProcessTest, RefusesAnotherDriversOptions) {
       Program({"evaluate", "--policy", "rdm", "--seeds", "1000000:1", "--impatience", "0.5"}, Log()).Wait(),
       2);
   EXPECT_THAT(Read(Log()), HasSubstr("--impatience is for --policy idm, not for rdm"));
+}
+
+TEST_F(ActorProcessTest, WithoutTheRunsKeyItDoesNotTakePart) {
+  std::filesystem::remove(RunKeyFile(root_));
+  EXPECT_EQ(Start().Wait(), 1) << Read(Log());
+  EXPECT_THAT(Read(Log()), HasSubstr(RunKeyFile(root_).string()));
+  EXPECT_THAT(Read(Log()), HasSubstr("dadrl train --resume"));
 }
 
 }  // namespace

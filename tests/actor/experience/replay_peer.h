@@ -16,6 +16,7 @@
 #include "proto/experience.h"
 #include "proto/topics.h"
 #include "tests/actor/experience/lease_clerk.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/common/util/eventually.h"
 
 namespace dadrl {
@@ -142,7 +143,8 @@ class ReplayPeer {
 class RunningReplayPeer {
  public:
   RunningReplayPeer(const ClusterConfig& cluster, ReplayDisk& disk, uint64_t window)
-      : node_(dds::Node::Create(cluster, 1, dds::Role::kReplay, 0).value()), peer_(*node_, disk, window) {
+      : node_(dds::Node::Create(cluster, 1, dds::Role::kReplay, 0, kTestRunKey).value()),
+        peer_(*node_, disk, window) {
     thread_ = std::thread([this] {
       while (!stopping_) {
         peer_.Step();

@@ -9,6 +9,7 @@
 #include "common/config/config_yaml.h"
 #include "common/dds/node.h"
 #include "common/util/log.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/replay/service/peer_actor.h"
 
 int main(int argc, char** argv) {
@@ -26,7 +27,7 @@ int main(int argc, char** argv) {
   std::vector<std::unique_ptr<dds::Node>> nodes;
   std::vector<std::unique_ptr<PeerActor>> actors;
   for (int id = first; id < first + count; ++id) {
-    auto node = dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, id);
+    auto node = dds::Node::Create(config.cluster, config.replay.shards, dds::Role::kActor, id, kTestRunKey);
     if (!node) {
       spdlog::error("actor {}: {}", id, node.error().message);
       return 1;

@@ -61,6 +61,14 @@ class PeerLearner {
   }
   // The requests whose batches came, in that order.
   const std::vector<uint64_t>& batches() const { return batches_; }
+  // Tells the replay that the item `key` has this priority.
+  void SetPriority(uint64_t key, float priority) {
+    dadrl_idl_PriorityUpdate update{};
+    update.learner = incarnation_;
+    update.keys = {1, 1, &key, false};
+    update.priorities = {1, 1, &priority, false};
+    EXPECT_TRUE(priorities_->Write(update));
+  }
   // Waits for the request's batch; empty when it does not come.
   Reply Fetch(uint32_t batch_size) {
     const uint64_t number = Ask(batch_size);

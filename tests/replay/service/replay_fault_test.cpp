@@ -208,6 +208,13 @@ TEST_F(ReplayFault, WhatAnInsaneActorSendsIsCountedAndChangesNothing) {
   }
   EXPECT_EQ((*status)[Metric::kFramesHeld], 10.0 * kFrames);
 
+  learner_->Fetch(4);
+  EXPECT_TRUE(Eventually([&] {
+    learner_->SetPriority(1, -1.0F);
+    if (const auto next = NextStatus(**telemetry)) status = next;
+    return (*status)[Metric::kRefusedPriorities] > 0.0;
+  })) << replay_->Log();
+
   AddChunks(10);
   ASSERT_TRUE(actor_->PumpUntilStored(20)) << replay_->Log();
   replay_->Kill();

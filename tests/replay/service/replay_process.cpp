@@ -10,6 +10,8 @@
 #include <iterator>
 
 #include "common/config/config_yaml.h"
+#include "common/io/run_key.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/paths.h"
 
 namespace dadrl {
@@ -18,6 +20,7 @@ ReplayProcess::ReplayProcess(std::filesystem::path run_directory, const Config& 
     : run_directory_(std::move(run_directory)), shard_(shard) {
   std::filesystem::create_directories(run_directory_);
   std::ofstream(run_directory_ / "config.yaml") << ToYaml(config, false);
+  static_cast<void>(SaveRunKey(run_directory_, kTestRunKey));  // else it says so in its log
 }
 
 ReplayProcess::~ReplayProcess() { Kill(); }

@@ -14,7 +14,7 @@ namespace dadrl {
 // Not thread safe. Killed when it goes out of scope.
 class ReplayProcess {
  public:
-  // Writes `config` to the run directory; nothing runs yet.
+  // Writes `config` and kTestRunKey to the run directory; nothing runs yet.
   ReplayProcess(std::filesystem::path run_directory, const Config& config, int shard = 0);
   ~ReplayProcess();
   ReplayProcess(const ReplayProcess&) = delete;

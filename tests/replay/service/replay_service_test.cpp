@@ -192,7 +192,7 @@ TEST_F(ReplayServiceTest, TellsWhoJoinsTheConfigurationOfTheRun) {
 TEST_F(ReplayServiceTest, PassesOnTheTelemetryThatLcmDoesNotReach) {
   const auto local = TelemetrySubscriber::Create(TelemetryUrl(config_.cluster));
   Launch();
-  const auto elsewhere = TelemetrySubscriber::CreateRelayed(config_).value();
+  const auto elsewhere = TelemetrySubscriber::CreateRelayed(config_, kTestRunKey).value();
   const auto writer = Writer<dadrl_idl_Telemetry>::Create(*actor_node_, kTelemetryTopic).value();
   const auto send = [&](bool is_episode, std::vector<std::byte> packet) {
     dadrl_idl_Telemetry message{};

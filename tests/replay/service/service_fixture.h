@@ -7,6 +7,7 @@
 
 #include "common/dds/node.h"
 #include "proto/trajectory_codec.h"
+#include "tests/common/io/test_run_key.h"
 #include "tests/driving_columns.h"
 #include "tests/replay/service/peers.h"
 #include "tests/replay/service/replay_process.h"
@@ -31,8 +32,8 @@ class ReplayServiceTest : public testing::Test {
   void Launch(std::optional<uint64_t> file_limit = std::nullopt) {
     replay_ = std::make_unique<ReplayProcess>(folder_.path() / "run", config_);
     replay_->Start(file_limit);
-    actor_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 1).value();
-    learner_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0).value();
+    actor_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kActor, 1, kTestRunKey).value();
+    learner_node_ = dds::Node::Create(config_.cluster, 1, dds::Role::kLearner, 0, kTestRunKey).value();
     actor_ = std::make_unique<PeerActor>(*actor_node_, 1, 100);
     learner_ = std::make_unique<PeerLearner>(*learner_node_, 200, 1);
     ASSERT_TRUE(Eventually([&] { return actor_->connected(); })) << replay_->Log();
