@@ -20,6 +20,7 @@ constexpr FileKind kKind{.magic = "DADRLCKP",
                          .remedy = "remove it and resume from the checkpoint before it"};
 // No checkpoint is longer: three times what the largest networks that a configuration allows come to.
 constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
+constexpr uint32_t kMostBlocks = 65536;
 // Magic, format, blocks and file length: readable whatever the rest is.
 constexpr size_t kHeadBytes = 8 + 4 + 4 + 8;
 
@@ -152,9 +153,9 @@ Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
   DADRL_RETURN_IF_ERROR(reader.GetHead(kKind));
   const auto blocks = reader.Get<uint32_t>();
   const auto length = reader.Get<uint64_t>();
-  if (length != reader.file_bytes()) {
-    return Fail(ErrorCode::kCorrupt, "{} is damaged ({} bytes, {} were written): {}", path.string(),
-                reader.file_bytes(), length, kKind.remedy);
+  if (length != reader.file_bytes() || blocks > kMostBlocks) {
+    return Fail(ErrorCode::kCorrupt, "{} is damaged ({} bytes, {} were written, in {} blocks): {}",
+                path.string(), reader.file_bytes(), length, blocks, kKind.remedy);
   }
   Checkpoint checkpoint;
   ReadBody(reader, blocks, checkpoint);

@@ -8,6 +8,7 @@
 
 #include "common/io/byte_io.h"
 #include "common/io/checksum.h"
+#include "common/step/step_spec.h"
 #include "common/util/enum_array.h"
 #include "common/util/prefetch.h"
 

@@ -31,7 +31,6 @@ constexpr int kMaxChunkFrames = 64;
 // Nothing longer is ever accepted from a socket or a file.
 constexpr size_t kMaxChunkBytes = size_t{4} << 20;
 constexpr size_t kChunkHeaderBytes = 56;
-constexpr size_t kMaxDecisionFloats = 1024;
 // More than an incarnation can ever send: a million chunks a second for eight years. Numbers up to it never
 // wrap, whatever is added to them.
 constexpr uint64_t kMaxSequence = uint64_t{1} << 48;

@@ -138,7 +138,7 @@ std::optional<std::vector<Fault>> FaultsOf(const dadrl_lcm::process_status& mess
   for (size_t i = 0; i < faults.size(); ++i) {
     const auto kind = static_cast<FaultKind>(message.fault_kind[i]);
     const auto text = TextOf(message.fault_text[i]);
-    const bool lasts = std::isfinite(message.fault_s[i]) && message.fault_s[i] >= 0.0;
+    const bool lasts = IsBetween(0.0, message.fault_s[i], kMost);
     if (kind < FaultKind{} || kind >= FaultKind::kCount || !text || !lasts) return std::nullopt;
     faults[i] = {kind, *text, message.fault_s[i]};
   }

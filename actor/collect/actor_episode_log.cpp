@@ -1,9 +1,10 @@
 #include "actor/collect/actor_episode_log.h"
 
 #include <algorithm>
-#include <fstream>
+#include <string_view>
 #include <tuple>
 
+#include "common/io/each_line.h"
 #include "proto/evaluation/episode_row.h"
 
 namespace dadrl {
@@ -13,11 +14,10 @@ constexpr size_t kMostWaiting = size_t{1} << 20;
 
 // Not the last row's: before numbers went on over restarts, each start began with 1.
 uint64_t LastEpisode(const std::filesystem::path& path) {
-  std::ifstream table(path);
   uint64_t last = 0;
-  for (std::string row; std::getline(table, row);) {
+  ForEachLine(path, [&last](std::string_view row) {
     if (const auto key = ActorEpisodeKey(row)) last = std::max(last, key->episode);
-  }
+  });
   return last;
 }
 

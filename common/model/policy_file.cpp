@@ -27,6 +27,8 @@ constexpr FileKind kKind{.magic = "DADRLPOL",
                          .format = kNamed,
                          .remedy = kRemedy};
 
+constexpr uint32_t kMostNetworks = 64;
+
 // The names become folders of an export.
 bool IsNetworkName(std::string_view name) {
   constexpr size_t kLongest = 64;
@@ -38,6 +40,7 @@ bool IsNetworkName(std::string_view name) {
 std::vector<StoredNetwork> ReadNetworks(FileReader& reader) {
   std::vector<StoredNetwork> networks;
   const auto count = reader.Get<uint32_t>();
+  if (count > kMostNetworks) return networks;  // what is left over is refused
   for (uint32_t i = 0; i < count && reader.ok(); ++i) {
     std::string name = reader.GetText();
     const auto layout_hash = reader.Get<uint64_t>();

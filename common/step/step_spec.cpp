@@ -11,8 +11,6 @@
 namespace dadrl {
 namespace {
 
-constexpr size_t kMaxElements = size_t{1} << 24;  // of a column
-
 std::string_view TypeName(ElementType type) { return type == ElementType::kBit ? "bit" : "float32"; }
 
 std::string ColumnText(const ColumnSpec& column) {
@@ -44,18 +42,18 @@ bool IsName(std::string_view name) {
 }
 
 Status CheckColumn(const ColumnSpec& column) {
-  size_t elements = 1;
-  for (const int size : column.shape) {
-    elements =
-        size < 1 || static_cast<size_t>(size) > kMaxElements ? 0 : elements * static_cast<size_t>(size);
-    if (elements < 1 || elements > kMaxElements) {
-      return Fail(ErrorCode::kInvalidArgument, "column '{}' does not have 1 to {} elements",
-                  ColumnText(column), kMaxElements);
-    }
-  }
   if (!IsName(column.name)) {
     return Fail(ErrorCode::kInvalidArgument, "column name '{}' is not 1 to 64 of a-z, 0-9 and _",
                 Shown(column.name));
+  }
+  size_t elements = 1;
+  for (const int size : column.shape) {
+    elements =
+        size < 1 || static_cast<size_t>(size) > kMaxStepElements ? 0 : elements * static_cast<size_t>(size);
+    if (elements < 1 || elements > kMaxStepElements) {
+      return Fail(ErrorCode::kInvalidArgument, "column '{}' does not have 1 to {} elements",
+                  ColumnText(column), kMaxStepElements);
+    }
   }
   if (!CodecFits(column)) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -104,18 +102,28 @@ Result<size_t> FindColumn(const std::vector<ColumnSpec>& columns, std::string_vi
 }
 
 Status CheckSpec(const StepSpec& spec) {
-  std::set<std::string_view> names;
+  std::set<std::string_view> names(kStepNames.begin(), kStepNames.end());
+  size_t elements = 0;
   for (const auto* columns : {&spec.observation, &spec.decision}) {
     for (const ColumnSpec& column : *columns) {
       DADRL_RETURN_IF_ERROR(CheckColumn(column));
       if (!names.insert(column.name).second) {
-        return Fail(ErrorCode::kInvalidArgument, "two columns are called '{}'", column.name);
+        return Fail(ErrorCode::kInvalidArgument, "column name '{}' is taken", column.name);
       }
+      elements += column.elements();
     }
   }
   for (const ColumnSpec& column : spec.decision) {
     if (column.type == ElementType::kFloat32 && column.codec == ColumnCodec::kRaw) continue;
     return Fail(ErrorCode::kInvalidArgument, "decision column '{}' is not of raw floats", ColumnText(column));
+  }
+  if (elements > kMaxStepElements) {
+    return Fail(ErrorCode::kInvalidArgument, "a step of {} elements; it has at most {}: leave columns out",
+                elements, kMaxStepElements);
+  }
+  if (const size_t floats = spec.decision_floats(); floats < 1 || floats > kMaxDecisionFloats) {
+    return Fail(ErrorCode::kInvalidArgument, "a decision of {} numbers; it has 1 to {}", floats,
+                kMaxDecisionFloats);
   }
   return {};
 }

@@ -2,6 +2,7 @@
 // replay moves them unread, networks ask for them by name.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -24,6 +25,8 @@ enum class ColumnCodec : uint8_t {
 };
 constexpr int kMaxHistoryRows = 64;
 constexpr int kBitPlaneSide = 128;
+constexpr size_t kMaxStepElements = size_t{1} << 24;  // of all columns of a step
+constexpr size_t kMaxDecisionFloats = 1024;
 
 struct ColumnSpec {
   std::string name;
@@ -54,7 +57,13 @@ struct StepSpec {
 Result<size_t> FindColumn(const std::vector<ColumnSpec>& columns, std::string_view name, ElementType type,
                           size_t dimensions);
 
-// kInvalidArgument: a name twice or none, a shape with nothing in it, a codec that does not fit the column.
+// What every step has beside its columns, whose names are others: exports have an array of each.
+constexpr std::array<std::string_view, 9> kStepNames = {"rewards",      "terminated",     "truncated",
+                                                        "has_decision", "policy_version", "actor",
+                                                        "incarnation",  "episode",        "step"};
+
+// kInvalidArgument: a name twice, none or of kStepNames, a shape with nothing in it, a codec that does not
+// fit the column, no decision or one beyond kMaxDecisionFloats, more than kMaxStepElements.
 Status CheckSpec(const StepSpec& spec);
 
 // Names the columns, their types, shapes and codecs: who has another schema has other experience. Bounds are

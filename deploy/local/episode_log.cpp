@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "common/io/each_line.h"
 #include "proto/evaluation/episode_row.h"
 
 namespace dadrl {
@@ -48,7 +48,7 @@ std::string WholeLines(const std::filesystem::path& path, uint64_t offset) {
 
 // Calls `visit(line, bytes)` for each of the whole lines; `bytes` counts its line break.
 template <typename Visit>
-void ForEachLine(std::string_view text, Visit visit) {
+void ForEachWholeLine(std::string_view text, Visit visit) {
   while (!text.empty()) {
     const size_t end = text.find('\n');
     visit(text.substr(0, end), end + 1);
@@ -71,7 +71,7 @@ struct EpisodeLog::NewRows {
     // Of another version of the program: its actor will start a new one in its place.
     if (known.read == 0 && !text.starts_with(ActorEpisodeColumns())) return;
     uint64_t at = known.read;
-    ForEachLine(text, [&](std::string_view line, size_t bytes) {
+    ForEachWholeLine(text, [&](std::string_view line, size_t bytes) {
       const auto key = ActorEpisodeKey(line);  // nothing for the header
       const bool in_table = key && at < known.known_end && key->episode <= known.last_episode;
       if (key && !in_table) rows.push_back({*key, RunEpisodeRow(actor, line)});
@@ -102,16 +102,15 @@ Result<EpisodeLog> EpisodeLog::Open(const std::filesystem::path& path, const std
 }
 
 void EpisodeLog::CountTable(const std::filesystem::path& path) {
-  std::ifstream table(path);
-  for (std::string line; std::getline(table, line);) {
+  ForEachLine(path, [this](std::string_view line) {
     int actor = 0;
     const auto key = RunEpisodeKey(line, actor);
-    if (!key) continue;
+    if (!key) return;
     ++episodes_;
     env_steps_ += key->steps;
     uint64_t& last = actors_[actor].last_episode;
     last = std::max(last, key->episode);
-  }
+  });
 }
 
 Status EpisodeLog::Update() {

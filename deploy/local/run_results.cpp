@@ -47,7 +47,7 @@ RunResults RunResults::Load(const std::filesystem::path& path, const Config& con
   results.earlier_s_ = Number(json, "training_s");
   if (const auto lost = json.find("lost_s"); lost != json.end() && lost->is_object()) {
     for (const auto& [fault, seconds] : lost->items()) {
-      if (seconds.is_number()) results.earlier_lost_s_[fault] = seconds.get<double>();
+      if (seconds.is_number()) results.earlier_lost_s_[fault] = Number(*lost, fault.c_str());
     }
   }
   json["scenario"] = config.scenario;

@@ -15,6 +15,7 @@
 #include "common/io/io_error.h"
 #include "common/io/json_text.h"
 #include "common/io/read_file.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -32,15 +33,20 @@ Json ProcessJson(const SupervisedProcess& process) {
           {"hangs", process.hangs},     {"last_end", process.last_end}, {"since_ns", process.since_ns}};
 }
 
+// Another's run may hold anything, and this goes to a terminal.
+std::string ShownText(JsonFields& fields, const char* key) {
+  return Shown(fields.Text(key, kMaxText), kMaxText);
+}
+
 SupervisedProcess ProcessFrom(JsonFields& fields) {
-  return {.name = fields.Text("name", kMaxText),
+  return {.name = ShownText(fields, "name"),
           .pid = fields.Whole("pid", kMaxPid),
-          .state = fields.Text("state", kMaxText),
-          .trouble = fields.Text("trouble", kMaxText),
-          .fault = fields.Text("fault", kMaxText),
+          .state = ShownText(fields, "state"),
+          .trouble = ShownText(fields, "trouble"),
+          .fault = ShownText(fields, "fault"),
           .restarts = fields.Whole("restarts", kMaxCount),
           .hangs = fields.Whole("hangs", kMaxCount),
-          .last_end = fields.Text("last_end", kMaxText),
+          .last_end = ShownText(fields, "last_end"),
           .since_ns = fields.Whole("since_ns", INT64_MAX)};
 }
 

@@ -1,6 +1,13 @@
 #include "replay/tools/array_layout.h"
 
 namespace dadrl {
+namespace {
+
+// NumPy's, of kStepNames.
+constexpr std::array<std::string_view, kStepNames.size()> kStepTypes = {"<f4", "|u1", "|u1", "|u1", "<u4",
+                                                                        "<u4", "<u8", "<u8", "<u4"};
+
+}  // namespace
 
 std::vector<ArrayLayout> ArrayLayouts(const StepSpec& spec) {
   std::vector<ArrayLayout> layouts;
@@ -10,16 +17,8 @@ std::vector<ArrayLayout> ArrayLayouts(const StepSpec& spec) {
       layouts.push_back({column.name, floats ? "<f4" : "|u1", {column.shape.begin(), column.shape.end()}});
     }
   }
-  for (const auto& [name, type] : {std::pair{"rewards", "<f4"},
-                                   {"terminated", "|u1"},
-                                   {"truncated", "|u1"},
-                                   {"has_decision", "|u1"},
-                                   {"policy_version", "<u4"},
-                                   {"actor", "<u4"},
-                                   {"incarnation", "<u8"},
-                                   {"episode", "<u8"},
-                                   {"step", "<u4"}}) {
-    layouts.push_back({name, type, {}});
+  for (size_t i = 0; i < kStepNames.size(); ++i) {
+    layouts.push_back({std::string(kStepNames[i]), std::string(kStepTypes[i]), {}});
   }
   for (ArrayLayout& layout : layouts) {
     layout.row_bytes = static_cast<size_t>(layout.type.back() - '0');

@@ -20,7 +20,7 @@ struct ArrayLayout {
   size_t row_bytes = 0;
 };
 
-// What every step has. Their arrays stand in this order behind those of the columns.
+// What every step has (kStepNames). Their arrays stand in this order behind those of the columns.
 enum class StepArray {
   kRewards,
   kTerminated,

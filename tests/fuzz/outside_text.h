@@ -1,6 +1,7 @@
 // What the targets of files and lines share: files in memory, and what a refusal looks like.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -41,13 +42,14 @@ inline std::string Repeated(std::string_view text, size_t times) {
   return all;
 }
 
-// True when there is a value; a refusal is one line that a person can read.
+// True when there is a value; a refusal is one line that a person can read, and a terminal show.
 template <typename T>
 bool Accepted(const Result<T>& result) {
   constexpr size_t kLongestReason = 2000;
   if (result) return true;
   const std::string& reason = result.error().message;
-  Require(!reason.empty() && reason.size() < kLongestReason && reason.find('\n') == std::string::npos);
+  Require(!reason.empty() && reason.size() < kLongestReason);
+  Require(std::ranges::none_of(reason, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }));
   return false;
 }
 

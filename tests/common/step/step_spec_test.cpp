@@ -93,6 +93,9 @@ TEST(StepSpec, ImpossibleColumnsAreRefused) {
       {.name = ""},
       {.name = "../gap"},
       {.name = "ego"},
+      {.name = "rewards"},
+      {.name = "\x1b[2J"},
+      {.name = "gap", .shape = {1 << 24}},
       {.name = "gap", .shape = {0}},
       {.name = "gap", .shape = {1 << 20, 1 << 20, 1 << 20, 1 << 20}},
       {.name = "gap", .shape = {3}, .codec = ColumnCodec::kHistory},
@@ -107,6 +110,11 @@ TEST(StepSpec, ImpossibleColumnsAreRefused) {
   }
   StepSpec spec = WithAGap();
   spec.decision.push_back({.name = "half", .codec = ColumnCodec::kHalf});
+  EXPECT_FALSE(CheckSpec(spec));
+  spec = WithAGap();
+  spec.decision.push_back({.name = "many", .shape = {kMaxDecisionFloats}});
+  EXPECT_FALSE(CheckSpec(spec));
+  spec.decision.clear();
   EXPECT_FALSE(CheckSpec(spec));
 }
 
