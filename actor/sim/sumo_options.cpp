@@ -9,6 +9,8 @@
 #include <system_error>
 #include <vector>
 
+#include "common/util/shown.h"
+
 namespace dadrl {
 namespace {
 
@@ -58,14 +60,29 @@ constexpr std::array<OwnedOption, 26> kOwned{{{"step-length", kStepRemedy},
                                               {"num-clients", kRemoteRemedy},
                                               {"gui-settings-file", kRemoteRemedy}}};
 
+// What SUMO 1.15 would write, wherever a scenario that somebody else made says.
+bool WritesAFile(std::string_view name) {
+  constexpr std::array<std::string_view, 11> kWriting = {
+      "log",       "l",        "message-log", "error-log",     "summary",      "tripinfo",
+      "vehroutes", "netstate", "ndump",       "netstate-dump", "output-prefix"};
+  return name.ends_with("output") || name.ends_with(".file") || name.starts_with("save-") ||
+         std::ranges::find(kWriting, name) != kWriting.end();
+}
+
 }  // namespace
 
 Result<std::string> ScenarioOption(const std::string& name) {
   if (name == "routes" || name == "r") return std::string(kRouteFiles);
   if (name == "additional" || name == "a") return std::string(kAdditionalFiles);
   const auto owned = std::ranges::find(kOwned, std::string_view(name), &OwnedOption::name);
+  if (owned == kOwned.end() && WritesAFile(name)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "SUMO's option '{}' is not for scenarios: every episode of every actor would write the same "
+                "file; remove it, and run `sumo` itself for its outputs",
+                Shown(name));
+  }
   if (owned == kOwned.end()) return name;
-  return Fail(ErrorCode::kInvalidArgument, "SUMO's option '{}' is not for scenarios: {}", name,
+  return Fail(ErrorCode::kInvalidArgument, "SUMO's option '{}' is not for scenarios: {}", Shown(name),
               owned->remedy);
 }
 
@@ -82,7 +99,7 @@ Result<std::string> FilesFrom(const fs::path& folder, const std::string& value) 
     if (!fs::is_regular_file(file, error)) {
       return Fail(ErrorCode::kInvalidArgument,
                   "file '{}' is neither in the folder of scenario.yaml ({}) nor in the working directory",
-                  name, folder.string());
+                  Shown(name, 200), folder.string());
     }
     files.push_back(file.string());
   }

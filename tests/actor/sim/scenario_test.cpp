@@ -97,6 +97,14 @@ TEST_F(ScenarioFile, FaultsAreNamedWithFileLineAndKey) {
   EXPECT_THAT(ErrorWith("plain: {}", "plain: {}\n  plain: {}"), HasSubstr("stands here a second time"));
 }
 
+TEST_F(ScenarioFile, OptionsWithWhichSumoWritesFilesAreRefused) {
+  for (const char* name :
+       {"tripinfo-output", "netstate-dump", "log", "save-state.files", "device.ssm.file"}) {
+    EXPECT_THAT(ErrorWith("plain: {}", fmt::format("plain: {{sumo: {{{}: /tmp/mine}}}}", name)),
+                AllOf(HasSubstr(name), HasSubstr("would write the same file")));
+  }
+}
+
 TEST_F(ScenarioFile, BrakingThatAbortsSumoIsRefused) {
   EXPECT_THAT(ErrorWith("emergencyDecel: 5.0", "emergencyDecel: 4.5"),
               AllOf(HasSubstr("mine/scenario.yaml:10: 'profiles.calibrated.driver.emergencyDecel' is 4.5"),

@@ -37,6 +37,12 @@ bool Check(std::span<std::byte> input) {
 Seeds MakeSeeds() {
   Seeds seeds{.accepted = {AsBytes(kGood)}, .refused = BadYaml()};
   seeds.refused.push_back(AsBytes("network: ../../etc\n" + std::string(kGood)));
+  for (const std::string_view option : {"tripinfo-output", "log", "\"seed\"", "save-state.prefix"}) {
+    std::string writing(kGood);
+    writing.replace(writing.find("lanechange.duration"), std::string_view("lanechange.duration").size(),
+                    option);
+    seeds.refused.push_back(AsBytes(writing));
+  }
   return seeds;
 }
 
