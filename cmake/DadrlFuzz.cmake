@@ -10,6 +10,14 @@ if(DADRL_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
+# For the folders of code that decodes nothing and computes much: coverage of it would guide no fuzzer and slow down the
+# tests that share its build.
+macro(dadrl_without_coverage)
+  if(DADRL_FUZZ)
+    add_compile_options(-fno-sanitize-coverage=edge,inline-8bit-counters,indirect-calls,trace-cmp,pc-table,stack-depth)
+  endif()
+endmacro()
+
 # What all targets share, compiled once. Objects: a library would leave out tests that nobody calls.
 function(dadrl_fuzz_harness)
   set(HARNESS ${PROJECT_SOURCE_DIR}/tests/fuzz)

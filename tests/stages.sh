@@ -1,5 +1,7 @@
 # shellcheck shell=bash
-# Stages of tests/run.sh: each runs although one before it failed, is timed, and has a line in the summary.
+# Stages of tests/run.sh: each runs although one before it failed, is timed, and has a line in the summary. A stage that
+# the machine cannot run ends with $not_run: neither passed nor failed.
+readonly not_run=77
 stage_lines=()
 stages_passed=0
 stages_failed=0
@@ -17,11 +19,13 @@ stage() {
   set -e
   if [ "$status" -eq 0 ]; then
     stages_passed=$((stages_passed + 1))
+  elif [ "$status" -eq "$not_run" ]; then
+    word="not run"
   else
     stages_failed=$((stages_failed + 1))
     word=FAILED
   fi
-  stage_lines+=("$(printf '%-45s %-6s %5d s' "$name" "$word" $((SECONDS - began)))")
+  stage_lines+=("$(printf '%-45s %-7s %5d s' "$name" "$word" $((SECONDS - began)))")
   printf '== %s: %s after %d s\n' "$name" "$word" $((SECONDS - began))
 }
 
