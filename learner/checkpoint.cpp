@@ -17,6 +17,7 @@ namespace {
 
 constexpr FileKind kKind{.magic = "DADRLCKP",
                          .name = "a checkpoint",
+                         .format = 2,
                          .remedy = "remove it and resume from the checkpoint before it"};
 // No checkpoint is longer: three times what the largest networks that a configuration allows come to.
 constexpr uint64_t kMaxFileBytes = uint64_t{4} << 30;
@@ -40,6 +41,7 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
   writer.Put(checkpoint.updates);
   writer.Put(checkpoint.weights_version);
   writer.Put(checkpoint.trained_s);
+  writer.Put(checkpoint.cpu_s);
   writer.Put(checkpoint.networks.front().layout_hash);
   writer.PutText(checkpoint.config_yaml);
   PutVector(writer, checkpoint.published_ns);
@@ -56,10 +58,11 @@ std::vector<std::byte> EncodeHeader(const Checkpoint& checkpoint) {
 }
 
 // What follows the head.
-void ReadBody(FileReader& reader, uint32_t blocks, Checkpoint& checkpoint) {
+void ReadBody(FileReader& reader, uint32_t format, uint32_t blocks, Checkpoint& checkpoint) {
   checkpoint.updates = reader.Get<uint64_t>();
   checkpoint.weights_version = reader.Get<uint32_t>();
   checkpoint.trained_s = reader.Get<double>();
+  if (format >= 2) checkpoint.cpu_s = reader.Get<double>();
   const auto layout_hash = reader.Get<uint64_t>();
   checkpoint.config_yaml = reader.GetText();
   checkpoint.published_ns = reader.GetVector<int64_t>();
@@ -79,9 +82,10 @@ bool IsPossible(const Checkpoint& checkpoint) {
   constexpr double kLongest = 1e12;  // s
   constexpr uint64_t kMostUpdates = uint64_t{1} << 50;
   // Times are subtracted from each other.
+  const auto is_span = [](double seconds) { return seconds >= 0.0 && seconds <= kLongest; };
   const auto is_time = [](int64_t ns) { return ns >= 0; };
   return checkpoint.updates <= kMostUpdates && std::ranges::all_of(checkpoint.published_ns, is_time) &&
-         checkpoint.trained_s >= 0.0 && checkpoint.trained_s <= kLongest &&
+         is_span(checkpoint.trained_s) && is_span(checkpoint.cpu_s) &&
          checkpoint.weights_version <= kMaxWeightsVersion &&
          std::ranges::all_of(checkpoint.networks.front().parameters,
                              [](float value) { return std::isfinite(value); });
@@ -150,7 +154,7 @@ Status SaveCheckpoint(const std::filesystem::path& path, const Checkpoint& check
 
 Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
   DADRL_ASSIGN_OR_RETURN(FileReader reader, FileReader::Open(path, kMaxFileBytes));
-  DADRL_RETURN_IF_ERROR(reader.GetHead(kKind));
+  DADRL_ASSIGN_OR_RETURN(const uint32_t format, reader.GetHead(kKind));
   const auto blocks = reader.Get<uint32_t>();
   const auto length = reader.Get<uint64_t>();
   if (length != reader.file_bytes() || blocks > kMostBlocks) {
@@ -158,7 +162,7 @@ Result<Checkpoint> LoadCheckpoint(const std::filesystem::path& path) {
                 path.string(), reader.file_bytes(), length, blocks, kKind.remedy);
   }
   Checkpoint checkpoint;
-  ReadBody(reader, blocks, checkpoint);
+  ReadBody(reader, format, blocks, checkpoint);
   DADRL_RETURN_IF_ERROR(reader.CheckEnd(kKind.remedy));
   if (!IsPossible(checkpoint)) {
     return Fail(ErrorCode::kCorrupt, "{} is damaged (no training comes to its numbers): {}", path.string(),

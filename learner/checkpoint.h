@@ -1,9 +1,9 @@
 // Everything a resumed training needs, in memory and as one file.
 //
 // File, little endian: "DADRLCKP" | u32 format | u32 blocks | u64 file length | u64 updates | u32 weights
-// version | f64 trained seconds | u64 layout hash | u32 length, configuration as YAML | u64 count, i64
-// publish times | u64 count, float32 published policy | per block: u32 length, name, u64 length | the blocks'
-// bytes | xxh3-64 of everything before.
+// version | f64 trained seconds | f64 processor seconds (format 1: not there) | u64 layout hash | u32 length,
+// configuration as YAML | u64 count, i64 publish times | u64 count, float32 published policy | per block: u32
+// length, name, u64 length | the blocks' bytes | xxh3-64 of everything before.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,7 @@ struct Checkpoint {
   uint64_t updates = 0;
   uint32_t weights_version = 0;         // newest that was broadcast
   double trained_s = 0.0;               // wall time spent training, all processes of the run together
+  double cpu_s = 0.0;                   // the learners' processor time in it; 0 from a file of format 1
   std::string config_yaml;              // ToYaml
   std::vector<int64_t> published_ns;    // wall times of the newest versions, the last is weights_version's
   std::vector<StoredNetwork> networks;  // Algorithm::networks; only the first, the policy, of a file

@@ -8,9 +8,9 @@
 
 namespace dadrl {
 
-// Trains until learner.max_updates, minutes, SIGINT or SIGTERM (install the handler first). Without `resume`
-// the run directory must hold no checkpoint; with it the newest whole checkpoint is taken, and a run that has
-// none yet starts from the beginning.
+// Trains until learner.max_updates, learner.max_cpu_seconds, minutes, SIGINT or SIGTERM (install the handler
+// first). Without `resume` the run directory must hold no checkpoint; with it the newest whole checkpoint is
+// taken, and a run that has none yet starts from the beginning.
 Status RunLearner(const Config& config, const std::filesystem::path& run_directory, bool resume);
 
 }  // namespace dadrl

@@ -65,6 +65,7 @@ ProcessStatus Reporter::MakeStatus(const TrainingInterval& interval, const Fetch
   const std::optional<TimePoint> saved_at = parts_.checkpoints.saved_at();
   ProcessStatus status = envelope_.Begin();
   status[Metric::kUpdates] = interval.updates;
+  status[Metric::kLearnerCpuS] = interval.cpu_s;
   status[Metric::kWeightsVersion] = interval.weights_version;
   status[Metric::kBatchBytes] = fetched.bytes;
   status[Metric::kCorruptBatches] = fetched.corrupt;

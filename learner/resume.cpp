@@ -38,6 +38,7 @@ Result<TrainingProgress> BeginTraining(const Config& config, CheckpointStore& st
   const Checkpoint& checkpoint = loaded->checkpoint;
   progress.updates = checkpoint.updates;
   progress.trained_s = checkpoint.trained_s;
+  progress.cpu_s = checkpoint.cpu_s;
   progress.published_ns = checkpoint.published_ns;
   progress.weights_version = std::max(checkpoint.weights_version, highest_reserved_version);
   if (!progress.published_ns.empty()) {

@@ -30,6 +30,7 @@ Trainer::Trainer(const Config& config, const Parts& parts, const TrainingProgres
       ledger_(parts.clock),
       started_(parts.clock.Now()),
       trained_before_s_(progress.trained_s),
+      cpu_before_s_(progress.cpu_s - ToSeconds(parts.cpu_time())),
       published_at_(started_),
       checkpointed_at_(started_),
       publish_now_(progress.updates > 0 || parts.algorithm.spec().acts_from_start),
@@ -128,6 +129,7 @@ Result<bool> Trainer::BeginCheckpoint() {
   snapshot->updates = updates_;
   snapshot->weights_version = weights_version_.load(std::memory_order_relaxed);
   snapshot->trained_s = TrainedSeconds();
+  snapshot->cpu_s = CpuSeconds();
   snapshot->config_yaml = config_yaml_;
   {
     MutexLock lock(mutex_);
@@ -179,10 +181,16 @@ double Trainer::TrainedSeconds() const {
   return trained_before_s_ + ToSeconds(parts_.clock.Now() - started_ - parts_.paused_time());
 }
 
+double Trainer::CpuSeconds() const { return cpu_before_s_ + ToSeconds(parts_.cpu_time()); }
+
 std::string Trainer::LimitReached() const {
   const auto max_updates = static_cast<uint64_t>(config_.learner.max_updates);
   if (max_updates > 0 && updates_ >= max_updates) {
     return fmt::format("learner.max_updates of {} reached", max_updates);
+  }
+  const double max_cpu_seconds = config_.learner.max_cpu_seconds;
+  if (max_cpu_seconds > 0.0 && CpuSeconds() >= max_cpu_seconds) {
+    return fmt::format("learner.max_cpu_seconds of {} reached", max_cpu_seconds);
   }
   if (config_.minutes > 0.0 && TrainedSeconds() >= 60.0 * config_.minutes) {
     return fmt::format("minutes of {} reached", config_.minutes);
@@ -195,6 +203,7 @@ TrainingInterval Trainer::TakeInterval() {
   TrainingInterval interval{.updates = shared_updates_,
                             .weights_version = weights_version(),
                             .trained_s = TrainedSeconds(),
+                            .cpu_s = CpuSeconds(),
                             .interval_updates = interval_updates_,
                             .scalars = means_.Take(),
                             .staleness = staleness_.TakeInterval()};

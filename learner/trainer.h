@@ -31,6 +31,7 @@ struct TrainingProgress {
   uint64_t updates = 0;
   uint32_t weights_version = 0;  // the next one published is greater
   double trained_s = 0.0;
+  double cpu_s = 0.0;
   std::vector<int64_t> published_ns;
 };
 
@@ -39,6 +40,7 @@ struct TrainingInterval {
   uint64_t updates = 0;  // cumulative
   uint32_t weights_version = 0;
   double trained_s = 0.0;  // cumulative
+  double cpu_s = 0.0;      // cumulative, processor time
   uint64_t interval_updates = 0;
   std::vector<double> scalars;  // means over the interval, as Algorithm::scalars; NaN: no update gave one
   Staleness staleness;          // over the interval
@@ -55,6 +57,7 @@ class Trainer {
     Clock& clock;
     Duration (*paused_time)() =
         &PausedTime;  // of the time since the start, what the process was kept stopped
+    Duration (*cpu_time)() = &ProcessCpuTime;  // processor time that counts for this training
   };
   Trainer(const Config& config, const Parts& parts, const TrainingProgress& progress);
 
@@ -67,9 +70,9 @@ class Trainer {
   // saved from then on.
   Result<Step> RunStep(Duration timeout);
 
-  // A WorkingThread: steps until `stop`, max_updates or minutes, then saves a last checkpoint and waits for
-  // it: on a disk that takes none until it does, or until ten seconds after `stop`. Returns why it ended, as
-  // a sentence.
+  // A WorkingThread: steps until `stop`, max_updates, max_cpu_seconds or minutes, then saves a last
+  // checkpoint and waits for it: on a disk that takes none until it does, or until ten seconds after `stop`.
+  // Returns why it ended, as a sentence.
   Result<std::string> Run(const std::atomic<bool>& stop);
 
   // Saves a checkpoint of now and waits until it is on disk.
@@ -92,6 +95,7 @@ class Trainer {
   Result<bool> BeginCheckpoint();
   Status RequireFinitePolicy() const;
   double TrainedSeconds() const;
+  double CpuSeconds() const;
   std::string LimitReached() const;
 
   const Config config_;
@@ -102,6 +106,7 @@ class Trainer {
   TimeLedger ledger_;
   const TimePoint started_;
   const double trained_before_s_;
+  const double cpu_before_s_;
   TimePoint published_at_;
   TimePoint checkpointed_at_;
   bool publish_now_;  // actors should not wait for an update

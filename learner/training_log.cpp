@@ -37,6 +37,7 @@ double PerSecond(const Row& row, double value) {
 constexpr std::array kColumnsBefore = {
     Column{"wall_time_s", "", [](const Row& r) { return r.context.wall_time_s; }},
     Column{"trained_s", "", [](const Row& r) { return r.training.trained_s; }},
+    Column{"cpu_s", "speed/cpu_s", [](const Row& r) { return r.training.cpu_s; }},
     Column{"updates", "", [](const Row& r) -> double { return r.training.updates; }},
     Column{"updates_per_s", "speed/updates_per_s",
            [](const Row& r) { return PerSecond(r, r.training.interval_updates); }},

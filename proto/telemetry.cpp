@@ -63,6 +63,7 @@ constexpr EnumArray<Metric, std::string_view> kMetricNames = {
     "staleness_seconds_mean",
     "staleness_seconds_max",
     "checkpoint_age_s",
+    "learner_cpu_s",
 };
 static_assert(!kMetricNames.back().empty());
 

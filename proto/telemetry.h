@@ -66,6 +66,7 @@ enum class Metric : int {
   kStalenessSecondsMean,  // the same in seconds
   kStalenessSecondsMax,
   kCheckpointAgeS,
+  kLearnerCpuS,  // cumulative, processor time over all sessions of the run
   kCount,
 };
 

@@ -128,7 +128,8 @@ struct LearnerConfig {
   PublishedPolicy publish = PublishedPolicy::kAveraged;
   double checkpoint_interval_s = 30.0;
   int checkpoints_kept = 3;
-  int64_t max_updates = 0;  // 0: until stopped
+  int64_t max_updates = 0;       // 0: until stopped
+  double max_cpu_seconds = 0.0;  // of the learner process; 0: until stopped
 };
 
 // Who drives in the actors: the learner's policy, or a driver of this name.

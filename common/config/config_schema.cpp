@@ -174,6 +174,8 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
   b.Add("learner.checkpoint_interval_s", l.checkpoint_interval_s, 1, 3600, "Seconds between two checkpoints");
   b.Add("learner.checkpoints_kept", l.checkpoints_kept, 1, 1000, "Older checkpoints are removed");
   b.Add("learner.max_updates", l.max_updates, 0, kHuge, "Stop after so many updates; 0 is never");
+  b.Add("learner.max_cpu_seconds", l.max_cpu_seconds, 0, 1e9,
+        "Stop after so many seconds of the learner's processor time, all its threads together; 0 is never");
   ActorConfig& a = c.actor;
   b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
   b.AddChoice("actor.policy", a.policy, {"learned", "random", "rdm", "slow", "predictive"},

@@ -1,5 +1,6 @@
 #include "common/util/clock.h"
 
+#include <ctime>
 #include <thread>
 
 namespace dadrl {
@@ -14,6 +15,12 @@ int64_t WallTimeNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+Duration ProcessCpuTime() {
+  timespec spent{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
+  return std::chrono::seconds(spent.tv_sec) + std::chrono::nanoseconds(spent.tv_nsec);
 }
 
 }  // namespace dadrl

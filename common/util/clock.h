@@ -44,6 +44,10 @@ class ManualClock final : public Clock {
 // That of the SystemClock, where no clock is at hand.
 int64_t WallTimeNs();
 
+// What this process has computed so far, all its threads together. Other load on the machine does not count,
+// nor waiting.
+Duration ProcessCpuTime();
+
 inline double ToSeconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 inline Duration FromSeconds(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));

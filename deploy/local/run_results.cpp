@@ -71,6 +71,7 @@ void RunResults::Update(const std::string& state, double session_s, const Traine
   json_["state"] = state;
   json_["training_s"] = earlier_s_ + session_s;
   if (trained.updates > 0) json_["updates"] = trained.updates;
+  if (trained.cpu_s > 0.0) json_["learner_cpu_s"] = trained.cpu_s;
   if (trained.weights_version > 0) json_["weights_version"] = trained.weights_version;
   json_["env_steps"] = episodes.env_steps();
   json_["training_episodes"] = episodes.episodes();

@@ -56,6 +56,7 @@ TrainedSoFar LastOfTraining(const std::filesystem::path& training_csv) {
   const std::string_view header = std::string_view(head).substr(0, head.find('\n'));
   const std::string_view row = LastLine(tail);
   return {.updates = Value<uint64_t>(header, row, "updates"),
+          .cpu_s = Value<double>(header, row, "cpu_s"),
           .weights_version = Value<uint32_t>(header, row, "weights_version")};
 }
 

@@ -8,6 +8,7 @@ namespace dadrl {
 
 struct TrainedSoFar {
   uint64_t updates = 0;  // over all sessions of the run
+  double cpu_s = 0.0;    // of the learner, the same
   uint32_t weights_version = 0;
 };
 

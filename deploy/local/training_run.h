@@ -26,7 +26,7 @@ namespace dadrl {
 
 // How a training ended.
 enum class RunOutcome {
-  kFinished,     // by minutes or learner.max_updates; drained and evaluated
+  kFinished,     // by minutes, learner.max_updates or learner.max_cpu_seconds; drained and evaluated
   kInterrupted,  // drained on the user's word; --resume goes on
   kHeldUp,       // drained, but faults took more than half of its time (LostTime); --resume goes on
   kFailed,       // a process could not be kept alive, or the user would not wait

@@ -31,6 +31,8 @@ const char* StateName(RunOutcome outcome) {
 bool TrainingRun::HeldUp() const {
   const auto wanted = static_cast<uint64_t>(config_.learner.max_updates);
   if (wanted > 0 && supervisor_.Work(kLearnerRole) >= wanted) return false;
+  const double budget = config_.learner.max_cpu_seconds;
+  if (budget > 0.0 && LastOfTraining(paths_.training()).cpu_s >= budget) return false;
   return health_.lost().HeldUp(FromSeconds(trained_s_));
 }
 

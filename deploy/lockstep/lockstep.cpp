@@ -22,12 +22,21 @@
 namespace dadrl {
 namespace {
 
+// The processor's and the system's time are nothing to a training that repeats.
+Duration NoTime() { return {}; }
+
 Status CheckEnds(const Config& config) {
   if (config.learner.max_updates == 0 && config.minutes == 0.0) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "a deterministic training needs an end: set learner.max_updates or minutes (of {} updates each)",
         60.0 / kLockstepUpdateSeconds);
+  }
+  if (config.learner.max_cpu_seconds > 0.0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "learner.max_cpu_seconds: {} would end a deterministic training at another update each time; "
+                "set it to 0, and learner.max_updates instead",
+                config.learner.max_cpu_seconds);
   }
   if (config.replay.samples_per_insert == 0.0) {
     return Fail(
@@ -79,7 +88,8 @@ class Lockstep {
         cluster_(std::move(cluster)),
         turns_(clock_, *cluster_),
         checkpoints_(std::move(store), clock_),
-        trainer_(config, {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_},
+        trainer_(config,
+                 {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_, NoTime, NoTime},
                  progress),
         collector_(config,
                    {.environment = *driving_.environment,

@@ -90,6 +90,7 @@ void AppendFaults(const ProcessRow& row, std::vector<ProcessFault>& faults) {
 
 void AddLearner(const ProcessRow& row, ClusterSummary& summary) {
   summary.updates = row[Metric::kUpdates];
+  summary.learner_cpu_s = row[Metric::kLearnerCpuS];
   summary.weights_version = row[Metric::kWeightsVersion];
   summary.staleness_versions = {row[Metric::kStalenessVersionsMean], row[Metric::kStalenessVersionsMax]};
   summary.staleness_s = {row[Metric::kStalenessSecondsMean], row[Metric::kStalenessSecondsMax]};

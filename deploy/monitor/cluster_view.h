@@ -77,7 +77,8 @@ struct ClusterSummary {
   // Since the view began, over restarts.
   double env_steps = 0.0;
   double episodes = 0.0;
-  double updates = 0.0;  // as the learner counts them: over the whole run
+  double updates = 0.0;        // as the learner counts them: over the whole run
+  double learner_cpu_s = 0.0;  // the same, processor time
   double weights_version = 0.0;
   double replay_frames = 0.0;
   double replay_bytes = 0.0;

@@ -92,6 +92,7 @@ Json MonitorJson(const ClusterSummary& summary, const std::string& bottleneck) {
           {"sampled_mb_per_s", Finite(summary.sampled_mb_per_s)},
           {"updates_per_s", Finite(summary.updates_per_s)},
           {"updates", Whole(summary.updates)},
+          {"learner_cpu_s", Finite(summary.learner_cpu_s)},
           {"weights_version", Whole(summary.weights_version)},
           {"replay_frames", Whole(summary.replay_frames)},
           {"replay_bytes", Whole(summary.replay_bytes)},

@@ -104,8 +104,8 @@ void AddReplay(const ClusterSummary& s, Lines& lines) {
 }
 
 void AddLearner(const ClusterSummary& s, Lines& lines) {
-  lines.Add(3,
-            fmt::format("  learner     {} updates, {:.1f} updates/s", Thousands(s.updates), s.updates_per_s));
+  lines.Add(3, fmt::format("  learner     {} updates, {:.1f} updates/s, {} of processor time",
+                           Thousands(s.updates), s.updates_per_s, FormatTime(s.learner_cpu_s)));
   if (!s.scalars.empty()) lines.Add(7, "  training    " + ScalarsText(s.scalars));
   lines.Add(10, fmt::format("  weights     version {:.0f}, staleness mean {:.1f} max {:.0f} versions, "
                             "mean {:.1f} max {:.0f} s",

@@ -26,6 +26,7 @@ class CheckpointTest : public testing::Test {
     checkpoint.updates = 12;
     checkpoint.weights_version = 5;
     checkpoint.trained_s = 61.5;
+    checkpoint.cpu_s = 40.25;
     checkpoint.config_yaml = ToYaml(config_, false);
     checkpoint.published_ns = {100, 200, 300};
     return checkpoint;
@@ -44,6 +45,7 @@ TEST_F(CheckpointTest, ReadsBackEverything) {
   EXPECT_EQ(loaded->updates, 12u);
   EXPECT_EQ(loaded->weights_version, 5u);
   EXPECT_EQ(loaded->trained_s, 61.5);
+  EXPECT_EQ(loaded->cpu_s, 40.25);
   ASSERT_EQ(loaded->networks.size(), 1u);
   EXPECT_EQ(loaded->networks[0].name, kPolicyNetwork);
   EXPECT_EQ(loaded->networks[0].layout_hash, 0xfa4eu);
@@ -62,15 +64,36 @@ TEST_F(CheckpointTest, WritesTheBytesOfItsFormat) {
   checkpoint.updates = 12;
   checkpoint.weights_version = 5;
   checkpoint.trained_s = 61.5;
+  checkpoint.cpu_s = 40.25;
   checkpoint.config_yaml = "seed: 3\n";
   checkpoint.published_ns = {100, 200};
   checkpoint.networks = {{"policy", 0x1234, {0.5f, -1.25f}}};
   checkpoint.blocks = {{"a", {std::byte{1}, std::byte{2}, std::byte{3}}}};
   ASSERT_TRUE(SaveCheckpoint(path_, checkpoint));
   const std::vector<std::byte> bytes = ReadFile(path_, 1 << 20).value();
-  ASSERT_EQ(bytes.size(), 128u);
-  EXPECT_EQ(ByteReader(std::span(bytes).last(8)).Get<uint64_t>(), 0x1348f858eb3b62adu);
+  ASSERT_EQ(bytes.size(), 136u);
+  EXPECT_EQ(ByteReader(std::span(bytes).last(8)).Get<uint64_t>(), 0xa4af2991e1be4f3cu);
   EXPECT_TRUE(CheckedContent(bytes));
+}
+
+// Of a run that was begun before processor time was counted: without the eight bytes of it.
+TEST_F(CheckpointTest, ReadsItsFirstFormat) {
+  ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
+  std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
+  constexpr size_t kLengthAt = 8 + 4 + 4;
+  constexpr size_t kCpuAt = 24 + 8 + 4 + 8;
+  bytes.erase(bytes.begin() + kCpuAt, bytes.begin() + kCpuAt + 8);
+  bytes[8] = std::byte{1};
+  const uint64_t length = bytes.size();
+  std::memcpy(bytes.data() + kLengthAt, &length, 8);
+  const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
+  std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
+  WritePlainly(path_, bytes);
+  const auto loaded = LoadCheckpoint(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->trained_s, 61.5);
+  EXPECT_EQ(loaded->cpu_s, 0.0);
+  EXPECT_THAT(loaded->published_ns, testing::ElementsAre(100, 200, 300));
 }
 
 TEST_F(CheckpointTest, DamageAtAnyOffsetIsNoticed) {
@@ -104,7 +127,7 @@ TEST_F(CheckpointTest, LengthsThatLieUnderAValidChecksumAreCorrupt) {
   Checkpoint checkpoint = Captured();
   ASSERT_TRUE(SaveCheckpoint(path_, checkpoint));
   std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
-  const size_t publish_count_at = 24 + 8 + 4 + 8 + 8 + 4 + checkpoint.config_yaml.size();
+  const size_t publish_count_at = 24 + 8 + 4 + 8 + 8 + 8 + 4 + checkpoint.config_yaml.size();
   for (size_t i = 0; i < 8; ++i) bytes[publish_count_at + i] = std::byte{0xFF};
   const uint64_t checksum = Xxh3(std::span(bytes).first(bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
@@ -128,10 +151,11 @@ TEST_F(CheckpointTest, LongFileIsRefusedByItsHead) {
 TEST_F(CheckpointTest, AnotherFormatIsRefusedWithBothNumbers) {
   ASSERT_TRUE(SaveCheckpoint(path_, Captured()));
   std::vector<std::byte> bytes = ReadFile(path_, 1 << 24).value();
-  bytes[8] = std::byte{2};
+  bytes[8] = std::byte{3};
   WritePlainly(path_, bytes);
   EXPECT_EQ(LoadCheckpoint(path_).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(LoadCheckpoint(path_).error().message, AllOf(HasSubstr("format 2"), HasSubstr("format 1")));
+  EXPECT_THAT(LoadCheckpoint(path_).error().message,
+              AllOf(HasSubstr("format 3"), HasSubstr("formats 1 to 2")));
 }
 
 TEST_F(CheckpointTest, StateOfOtherSizeLeavesTheAlgorithmUntouched) {

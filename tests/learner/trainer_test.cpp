@@ -187,6 +187,36 @@ TEST_F(TrainerTest, MinutesCountOverRestarts) {
   EXPECT_THAT(second.trainer->Run(stop).value(), HasSubstr("minutes of 1 reached"));
 }
 
+// What a training computes, of the tests below: half a second an update.
+Duration computed{};
+Duration Computed() { return computed; }
+
+TEST_F(TrainerTest, StopsAtItsProcessorTimeWhichCountsOverRestartsAndNotWhileItWaits) {
+  config_.learner.max_cpu_seconds = 10.0;
+  const auto step = [](TestLearner& run) {
+    run.Steps(1);
+    computed += 500ms;
+  };
+  computed = 3h;  // of the process before it began
+  const std::atomic<bool> stop{false};
+  {
+    TestLearner first(config_, folder_.path(), false, 0, std::make_unique<FakeAlgorithm>(), Computed);
+    first.clock.Advance(1h);
+    for (int i = 0; i < 19; ++i) step(first);
+    EXPECT_DOUBLE_EQ(first.trainer->TakeInterval().cpu_s, 9.5);
+    ASSERT_TRUE(first.trainer->SaveNow());
+    step(first);  // lost with the process
+  }
+  computed = 0s;
+  TestLearner second(config_, folder_.path(), true, 19, std::make_unique<FakeAlgorithm>(), Computed);
+  EXPECT_DOUBLE_EQ(second.trainer->TakeInterval().cpu_s, 9.5);
+  step(second);
+  EXPECT_THAT(second.trainer->Run(stop).value(),
+              HasSubstr("learner.max_cpu_seconds of 10 reached after 20 updates"));
+  TestLearner third(config_, folder_.path(), true, 20, std::make_unique<FakeAlgorithm>(), Computed);
+  EXPECT_THAT(third.trainer->Run(stop).value(), HasSubstr("after 20 updates"));
+}
+
 TEST_F(TrainerTest, ReportsWhatItWaitsForAndHowStaleTheExperienceIs) {
   config_.learner.publish_interval_s = 0.01;
   TestLearner run(config_, folder_.path(), false);

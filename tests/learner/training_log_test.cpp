@@ -192,6 +192,7 @@ TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   TrainingLog log(folder.path(), 25, kScalars, Faults());
   TrainingInterval interval;
   interval.updates = 50;
+  interval.cpu_s = 7.5;
   interval.interval_updates = 25;
   interval.scalars = {0.125, std::nan("")};
   log.Add(interval, {.wall_time_s = 10.0, .interval_s = 0.5, .batch_bytes = 2e6, .replay_frames = 3000});
@@ -200,9 +201,10 @@ TEST(TrainingLog, TableAndEventsAgreeAndAnIntervalWithoutUpdatesHasNoLosses) {
   log.Add(interval, {.wall_time_s = 10.5, .interval_s = 0.5});
 
   const std::string table = ReadTextFile(folder.path() / "logs" / "training.csv", kNoLimit).value();
-  EXPECT_THAT(table, HasSubstr("wall_time_s,trained_s,updates,updates_per_s,fit,rarity,weights_version,"));
-  EXPECT_THAT(table, HasSubstr("\n10,0,50,50,0.125,,0,"));
-  EXPECT_THAT(table, HasSubstr("\n10.5,0,50,0,,,0,"));
+  EXPECT_THAT(table,
+              HasSubstr("wall_time_s,trained_s,cpu_s,updates,updates_per_s,fit,rarity,weights_version,"));
+  EXPECT_THAT(table, HasSubstr("\n10,0,7.5,50,50,0.125,,0,"));
+  EXPECT_THAT(table, HasSubstr("\n10.5,0,7.5,50,0,,,0,"));
   const auto file = std::filesystem::directory_iterator(folder.path() / "tensorboard")->path();
   const std::vector<Event> events = ReadEvents(file);
   ASSERT_EQ(events.size(), 4u);

@@ -30,7 +30,7 @@ EvaluationReport Report(int successes, int collisions) {
 TEST(RunResults, AccumulateOverSessions) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "results.json";
-  TrainedSoFar trained{.updates = 100, .weights_version = 6};
+  TrainedSoFar trained{.updates = 100, .cpu_s = 31.5, .weights_version = 6};
   auto episodes = EpisodeLog::Open(folder.path() / "episodes.csv", folder.path() / "logs");
   ASSERT_TRUE(episodes);
   const auto drive = [&](int steps) {
@@ -64,6 +64,7 @@ TEST(RunResults, AccumulateOverSessions) {
   EXPECT_THAT(saved["machine"].get<std::string>(), HasSubstr(" cores"));
   EXPECT_EQ(saved["training_s"], 80.0);
   EXPECT_EQ(saved["updates"], 150);
+  EXPECT_EQ(saved["learner_cpu_s"], 31.5);
   EXPECT_EQ(saved["env_steps"], 700);
   EXPECT_EQ(saved["training_episodes"], 2);
   ASSERT_EQ(saved["evaluations"].size(), 1u);

@@ -100,6 +100,15 @@ TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
   EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
 }
 
+TEST(Lockstep, RefusesAnEndThatDependsOnTheProcessor) {
+  Config config = TinyTraining(1);
+  config.learner.max_cpu_seconds = 10.0;
+  const std::atomic<bool> stop{false};
+  const auto result = TrainInLockstep(config, TemporaryFolder().path(), stop);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find("learner.max_cpu_seconds: 10"), std::string::npos);
+}
+
 TEST(Lockstep, RefusesARunThatHasCheckpoints) {
   const TemporaryFolder folder;
   ASSERT_TRUE(TrainInChild(TinyTraining(2), folder.path()));

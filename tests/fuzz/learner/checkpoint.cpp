@@ -15,6 +15,7 @@ Checkpoint Whole() {
   checkpoint.updates = 100;
   checkpoint.weights_version = 7;
   checkpoint.trained_s = 12.5;
+  checkpoint.cpu_s = 10.5;
   checkpoint.config_yaml = "seed: 1\n";
   checkpoint.published_ns = {1, 2, 3};
   checkpoint.networks = {{"policy", 7, std::vector<float>(5, 0.5f)}};
@@ -40,6 +41,7 @@ bool Check(std::span<std::byte> input) {
   for (const Checkpoint::Block& block : checkpoint->blocks) total += block.name.size() + block.bytes.size();
   Require(total <= bytes.size());
   Require(std::isfinite(checkpoint->trained_s) && checkpoint->trained_s >= 0.0);
+  Require(std::isfinite(checkpoint->cpu_s) && checkpoint->cpu_s >= 0.0);
   Require(checkpoint->weights_version <= kMaxWeightsVersion);
   Require(checkpoint->updates + 1 > checkpoint->updates);
   for (const int64_t ns : checkpoint->published_ns) Require(ns >= 0);
@@ -53,6 +55,8 @@ Seeds MakeSeeds() {
   Seeds seeds{.accepted = {FileOf(Whole()), FileOf(bare)}, .refused = {AsBytes("DADRLCKP")}};
   Checkpoint endless = Whole();
   endless.trained_s = INFINITY;
+  Checkpoint negative = Whole();
+  negative.cpu_s = -1.0;
   Checkpoint late = Whole();
   late.weights_version = UINT32_MAX;
   Checkpoint spoilt = Whole();
@@ -61,7 +65,7 @@ Seeds MakeSeeds() {
   before_1970.published_ns = {INT64_MIN, INT64_MAX};
   Checkpoint countless = Whole();
   countless.updates = UINT64_MAX;
-  for (const Checkpoint& checkpoint : {endless, late, spoilt, before_1970, countless})
+  for (const Checkpoint& checkpoint : {endless, negative, late, spoilt, before_1970, countless})
     seeds.refused.push_back(FileOf(checkpoint));
   for (const size_t length : {size_t{9}, seeds.accepted[0].size() / 2, seeds.accepted[0].size() - 1}) {
     const auto end = seeds.accepted[0].begin() + static_cast<ptrdiff_t>(length);
