@@ -84,6 +84,7 @@ struct AlgorithmConfig {
   double weight_decay = 0.0;       // of AdamW
   int latent_steps = 1;            // that are predicted ahead
   int64_t warmup_updates = 0;      // until the learning rate is whole
+  int shift_pixels = 0;            // of the bird's-eye planes in two views of each batch; 0: no views
 };
 
 struct ReplayConfig {

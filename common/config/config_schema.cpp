@@ -120,6 +120,9 @@ void AddTraining(SchemaBuilder& b, Config& c) {
         "Decisions over which the encoder learns to predict its own state (slt)");
   b.Add("algorithm.warmup_updates", a.warmup_updates, 0, kHuge,
         "Updates over which the learning rate rises from 0 (dt)");
+  b.Add("algorithm.shift_pixels", a.shift_pixels, 0, 16,
+        "Soft actor-critic learns from two views of each batch, their bird's-eye planes shifted by up to so "
+        "many pixels (0.4 m); 0 is one view, unshifted");
 }
 
 void AddReplay(SchemaBuilder& b, Config& c) {

@@ -61,6 +61,24 @@ Status CheckModel(const Config& config) {
   return {};
 }
 
+Status CheckViews(const Config& config) {
+  if (config.algorithm.shift_pixels == 0) return {};
+  if (!config.model.context) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "algorithm.shift_pixels: {} shifts bird's-eye planes, and model.context: false has none; set "
+                "either of them",
+                config.algorithm.shift_pixels);
+  }
+  constexpr int kMostThreads = 128;  // half of nn::kMaxGradients
+  if (config.learner.threads > kMostThreads) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "learner.threads: {} is more than the {} that two views (algorithm.shift_pixels: {}) leave room for",
+        config.learner.threads, kMostThreads, config.algorithm.shift_pixels);
+  }
+  return {};
+}
+
 // Whatever the algorithm: networks work on 16 rows at a time, and each thread on its share of them.
 Status CheckRows(const Config& config) {
   const int batch = config.algorithm.batch_size;
@@ -178,6 +196,7 @@ Status CheckCluster(const ClusterConfig& cluster) {
 Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckTask(config));
   DADRL_RETURN_IF_ERROR(CheckModel(config));
+  DADRL_RETURN_IF_ERROR(CheckViews(config));
   DADRL_RETURN_IF_ERROR(CheckRows(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));

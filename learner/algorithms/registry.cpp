@@ -29,6 +29,9 @@ constexpr std::array kAlgorithms = {
                    BehaviourCloning::SpecOf, Make<BehaviourCloning>},
     AlgorithmEntry{"dadrl", "Soft actor-critic on the attention encoder and bird's-eye planes (the paper's)",
                    Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{"drq",
+                   "Soft actor-critic as sac, whose critics see the bird's-eye planes shifted at random",
+                   Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{
         "dt", "Decision transformer: clones, from an episode's history, by default the predictive driver",
         DecisionTransformerLearner::SpecOf, Make<DecisionTransformerLearner>},

@@ -27,14 +27,14 @@ int Blocks(int samples) { return (samples + kLanes - 1) / kLanes; }
 
 std::vector<SacWorkspace> MakeWorkspaces(nn::Arena& arena, const PolicyNetwork& policy,
                                          const CriticNetwork& critic, const DrivingShape& spec, int blocks,
-                                         int threads) {
+                                         int views, int threads) {
   const int share = (blocks + threads - 1) / threads;
   nn::Arena measure;
-  const SacWorkspace measured(measure, policy, critic, spec, share);
+  const SacWorkspace measured(measure, policy, critic, spec, share, views);
   arena = nn::Arena(measure.used() * static_cast<size_t>(threads));
   std::vector<SacWorkspace> workspaces;
   workspaces.reserve(static_cast<size_t>(threads));
-  for (int i = 0; i < threads; ++i) workspaces.emplace_back(arena, policy, critic, spec, share);
+  for (int i = 0; i < threads; ++i) workspaces.emplace_back(arena, policy, critic, spec, share, views);
   return workspaces;
 }
 
@@ -58,7 +58,7 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
       returns_(config.algorithm.gamma, config.algorithm.batch_size),
       noise_source_(noise ? std::move(noise) : std::make_unique<GaussianNoise>(DeriveSeed(config.seed, 3))),
       workspaces_(MakeWorkspaces(arena_, policy_, critic_, spec_, Blocks(config.algorithm.batch_size),
-                                 config.learner.threads)),
+                                 views(), config.learner.threads)),
       team_(config.learner.threads) {
   policy_.layout.Initialize(DeriveSeed(config.seed, 1), policy_parameters_.span());
   critic_.layout.Initialize(DeriveSeed(config.seed, 2), critic_parameters_.span());
@@ -68,15 +68,19 @@ Sac::Sac(const Config& config, std::unique_ptr<NoiseSource> noise)
   std::ranges::copy(policy_parameters_.span(), average_parameters_.data());
   std::ranges::copy(critic_parameters_.span(), target_parameters_.data());
   const auto batch_size = static_cast<size_t>(config.algorithm.batch_size);
-  next_noise_.resize(batch_size * kActionSize);
-  now_noise_.resize(batch_size * kActionSize);
+  const size_t draws = batch_size * kActionSize;
+  next_noise_.resize(static_cast<size_t>(views()) * draws);
+  now_noise_.resize(draws);
+  if (views() > 1) now_shifts_.resize(static_cast<size_t>(views()) * draws);
+  next_shifts_.resize(now_shifts_.size());
   td_error_.resize(batch_size);
   const size_t context = nn::RoundUp(batch_size, kLanes) * DrivingShape::kContextBytes;
   padded_now_.resize(context);
   padded_next_.resize(context);
   for (SacWorkspace& workspace : workspaces_) {
     policy_gradients_.push_back(workspace.policy_gradient);
-    critic_gradients_.push_back(workspace.critic_gradient);
+    critic_gradients_.insert(critic_gradients_.end(), workspace.critic_gradients.begin(),
+                             workspace.critic_gradients.end());
   }
 }
 
@@ -158,8 +162,13 @@ Status Sac::Update(const Transitions& batch) {
   DADRL_RETURN_IF_ERROR(CheckBatch(batch));
   const int size = batch.size();
   const size_t draws = static_cast<size_t>(size) * kActionSize;
-  noise_source_->Fill(std::span(next_noise_).first(draws));
+  const size_t draws_of_views = static_cast<size_t>(views()) * draws;
+  noise_source_->Fill(std::span(next_noise_).first(draws_of_views));
   noise_source_->Fill(std::span(now_noise_).first(draws));
+  if (views() > 1) {
+    noise_source_->Fill(std::span(now_shifts_).first(draws_of_views));
+    noise_source_->Fill(std::span(next_shifts_).first(draws_of_views));
+  }
   now_context_ = WholeBlocks(batch.observation, padded_now_);
   next_context_ = WholeBlocks(batch.next_observation, padded_next_);
   alpha_ = std::exp(log_alpha_.value);

@@ -25,6 +25,10 @@ namespace dadrl {
 // encoder, trained by the critic loss alone; the actor's copy follows it, and the actor loss uses the critic
 // pass's features, detached.
 //
+// algorithm.shift_pixels above 0 makes it DrQ (Kostrikov, Yarats and Fergus 2021): the critics learn from two
+// views of the batch, their bird's-eye planes shifted at random; the target is the mean over two views of
+// what followed, the losses of both views are added, and the actor sees the planes as they are.
+//
 // The batch is split over learner.threads in blocks of sixteen; each thread has its own gradients, which are
 // summed in thread order, so results are reproducible for a thread count and differ in rounding between
 // counts. All memory is taken by the constructor.
@@ -57,9 +61,13 @@ class Sac final : public Algorithm {
  private:
   // The four parts of an update, on one thread's share.
   void PackShare(const Transitions& batch, SacWorkspace& workspace, int member);
-  void TargetPass(const Transitions& batch, SacWorkspace& workspace);
-  void CriticPass(const Transitions& batch, SacWorkspace& workspace);
+  void TargetPass(const Transitions& batch, SacWorkspace& workspace, BatchView view);
+  void CriticPass(const Transitions& batch, SacWorkspace& workspace, BatchView view);
   void ActorPass(const Transitions& batch, SacWorkspace& workspace);
+
+  // The share's planes in `view`; `shifts` [batch, 2] are its draws.
+  const uint8_t* PlanesOf(const uint8_t* context, std::span<const float> shifts, BatchView view,
+                          SacWorkspace& workspace) const;
 
   // Everything one thread does in an update; all return together.
   void UpdateShare(const Transitions& batch, int member);
@@ -72,6 +80,7 @@ class Sac final : public Algorithm {
   const uint8_t* WholeBlocks(ColumnRows observations, std::vector<uint8_t>& padded) const;
   Status Finish(int batch_size);
 
+  int views() const { return config_.algorithm.shift_pixels > 0 ? 2 : 1; }
   bool shared() const { return config_.model.encoders == EncoderSharing::kShared; }
 
   Config config_;
@@ -95,8 +104,10 @@ class Sac final : public Algorithm {
 
   // Of the running update.
   double alpha_ = 0.0;
-  std::vector<float> next_noise_;  // [batch, 2]
-  std::vector<float> now_noise_;   // [batch, 2]
+  std::vector<float> next_noise_;   // [views, batch, 2]
+  std::vector<float> now_noise_;    // [batch, 2]
+  std::vector<float> now_shifts_;   // [views, batch, 2], standard normal; empty without views
+  std::vector<float> next_shifts_;  // the same
   std::array<double, 7> scalars_{};
   std::vector<float> td_error_;
   size_t td_error_count_ = 0;

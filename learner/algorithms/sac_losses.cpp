@@ -22,6 +22,12 @@ void Clear(LaneSpan span, int features, int samples) {
 // NaN in either is NaN in the result, unlike std::min.
 double Smaller(float a, float b) { return a <= b || std::isnan(a) ? a : b; }
 
+// `mean` is complete after the last view.
+void AddToMean(double value, BatchView view, float& mean) {
+  const double before = view.index == 0 ? 0.0 : mean;
+  mean = before + value / view.count;
+}
+
 }  // namespace
 
 void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, std::span<const float> noise,
@@ -41,20 +47,23 @@ void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, st
   }
 }
 
-void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, double alpha) {
+void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, BatchView view, double alpha) {
   for (int i = 0; i < workspace.samples; ++i) {
     const size_t sample = Index(workspace.first_sample + i);
     const double value = Smaller(At(workspace.critic1.value, 0, i), At(workspace.critic2.value, 0, i)) -
                          alpha * workspace.actions.log_probability[Index(i)];
-    workspace.targets[Index(i)] = batch.reward[sample] + batch.discount[sample] * value;
+    const double target = batch.reward[sample] + batch.discount[sample] * value;
+    AddToMean(target, view, workspace.targets[Index(i)]);
   }
 }
 
-void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<float> td_error) {
+void CriticLoss(SacWorkspace& workspace, const Transitions& batch, BatchView view,
+                std::span<float> td_error) {
   Clear(workspace.critic1.value_gradient, 1, workspace.samples);
   Clear(workspace.critic2.value_gradient, 1, workspace.samples);
   const double scale = 2.0 / batch.size();
-  SacSums sums;
+  const double share = 1.0 / view.count;
+  SacSums& sums = workspace.sums;
   for (int i = 0; i < workspace.samples; ++i) {
     const size_t sample = Index(workspace.first_sample + i);
     const double weight = batch.weight[sample];
@@ -65,11 +74,10 @@ void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<flo
     At(workspace.critic2.value_gradient, 0, i) = scale * weight * error2;
     sums.weighted_squares1 += weight * error1 * error1;
     sums.weighted_squares2 += weight * error2 * error2;
-    sums.q += target + 0.5 * (error1 + error2);
-    sums.target += target;
-    td_error[sample] = std::abs(0.5 * (error1 + error2));
+    sums.q += share * (target + 0.5 * (error1 + error2));
+    sums.target += share * target;
+    AddToMean(std::abs(0.5 * (error1 + error2)), view, td_error[sample]);
   }
-  workspace.sums = sums;
 }
 
 void ActorValueGradient(SacWorkspace& workspace, int batch_size, double alpha) {

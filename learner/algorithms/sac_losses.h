@@ -15,12 +15,14 @@ void SampleActions(SacWorkspace& workspace, const nn::GaussianLimits& limits, st
                    nn::LaneSpan critic_input, int features);
 
 // workspace.targets = reward + discount (min Q_target(s', a') - alpha log pi(a'|s')). The discount is
-// gamma^k, or 0 at a termination, so n-step returns, truncation and termination need no cases here.
-void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, double alpha);
+// gamma^k, or 0 at a termination, so n-step returns, truncation and termination need no cases here. Of
+// several views it is the mean, complete after the last.
+void ComputeTargets(SacWorkspace& workspace, const Transitions& batch, BatchView view, double alpha);
 
 // Critic loss = sum over both critics of (1 / batch) sum of weight (Q - target)^2, without a factor one half.
-// Fills both value gradients, the sums, and td_error [batch].
-void CriticLoss(SacWorkspace& workspace, const Transitions& batch, std::span<float> td_error);
+// Fills both value gradients, the sums, and td_error [batch]. The losses of several views add up, the other
+// sums and the errors are means over them, complete after the last.
+void CriticLoss(SacWorkspace& workspace, const Transitions& batch, BatchView view, std::span<float> td_error);
 
 // Actor loss = (1 / batch) sum of alpha log pi - min Q, not importance weighted. First half: the gradient
 // with respect to the values, which goes to the smaller critic alone.

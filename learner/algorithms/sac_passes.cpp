@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "learner/algorithms/plane_shift.h"
 #include "learner/algorithms/sac.h"
 #include "learner/algorithms/sac_losses.h"
 
@@ -18,6 +19,13 @@ void CriticsForward(const nn::LaneKernels& kernels, const CriticNetwork& critic,
              workspace.critic1.value);
   MlpForward(kernels, critic.critic2, parameters, input, blocks, workspace.critic2.head,
              workspace.critic2.value);
+}
+
+// The part of `view` of what was drawn for all of them, `count` numbers each; nothing where there is one
+// view.
+std::span<const float> OfView(const std::vector<float>& draws, BatchView view, size_t count) {
+  if (view.count == 1) return {};
+  return std::span(draws).subspan(static_cast<size_t>(view.index) * count, count);
 }
 
 // sum += other, [blocks][features][16].
@@ -42,29 +50,49 @@ void Sac::PackShare(const Transitions& batch, SacWorkspace& workspace, int membe
   workspace.finite = true;
   workspace.now.blocks = count;
   workspace.next.blocks = count;
-  const ptrdiff_t context = ptrdiff_t{first} * kLanes * DrivingShape::kContextBytes;
-  workspace.now.Pack(kernels_, batch.observation, now_context_ + context, first);
-  workspace.next.Pack(kernels_, batch.next_observation, next_context_ + context, first);
+  workspace.now.Pack(kernels_, batch.observation, nullptr, first);
+  workspace.next.Pack(kernels_, batch.next_observation, nullptr, first);
 }
 
-void Sac::TargetPass(const Transitions& batch, SacWorkspace& workspace) {
+const uint8_t* Sac::PlanesOf(const uint8_t* context, std::span<const float> shifts, BatchView view,
+                             SacWorkspace& workspace) const {
+  const auto planes = [&](int sample) { return context + ptrdiff_t{sample} * DrivingShape::kContextBytes; };
+  if (view.count == 1) return planes(workspace.first_sample);
+  uint8_t* out = workspace.shifted.data();
+  for (int i = workspace.first_sample; i < workspace.first_sample + workspace.samples; ++i) {
+    const float* draw = &shifts[static_cast<size_t>(i) * 2];
+    ShiftPlanes({planes(i), DrivingShape::kContextBytes},
+                ShiftOf(draw[0], draw[1], config_.algorithm.shift_pixels), out);
+    out += DrivingShape::kContextBytes;
+  }
+  return workspace.shifted.data();
+}
+
+void Sac::TargetPass(const Transitions& batch, SacWorkspace& workspace, BatchView view) {
   const int blocks = workspace.next.blocks;
   const int features = critic_.encoder.features();
+  const size_t draws = static_cast<size_t>(batch.size()) * kActionSize;
+  const size_t first_draw = static_cast<size_t>(view.index) * draws;
+  workspace.next.context_planes = PlanesOf(next_context_, OfView(next_shifts_, view, draws), view, workspace);
   EncoderForward(kernels_, policy_.encoder, policy_parameters_.data(), workspace.next, workspace.passing,
                  workspace.policy_features);
   MlpForward(kernels_, policy_.head, policy_parameters_.data(), workspace.policy_features, blocks,
              workspace.policy_head, workspace.policy_output);
-  SampleActions(workspace, limits_, next_noise_, workspace.target_input, features);
+  SampleActions(workspace, limits_, std::span(next_noise_).subspan(first_draw, draws), workspace.target_input,
+                features);
   EncoderForward(kernels_, critic_.encoder, target_parameters_.data(), workspace.next, workspace.passing,
                  workspace.target_input);
   CriticsForward(kernels_, critic_, target_parameters_.data(), workspace.target_input, blocks, workspace);
-  ComputeTargets(workspace, batch, alpha_);
+  ComputeTargets(workspace, batch, view, alpha_);
 }
 
-void Sac::CriticPass(const Transitions& batch, SacWorkspace& workspace) {
+void Sac::CriticPass(const Transitions& batch, SacWorkspace& workspace, BatchView view) {
   const int blocks = workspace.now.blocks;
   const int features = critic_.encoder.features();
   const float* parameters = critic_parameters_.data();
+  float* const gradient = workspace.critic_gradients[static_cast<size_t>(view.index)];
+  const size_t draws = static_cast<size_t>(batch.size()) * kActionSize;
+  workspace.now.context_planes = PlanesOf(now_context_, OfView(now_shifts_, view, draws), view, workspace);
   const float* action = batch.action.data() + ptrdiff_t{workspace.first_sample} * kActionSize;
   for (int i = 0; i < workspace.samples; ++i) {
     for (int d = 0; d < kActionSize; ++d) {
@@ -74,18 +102,17 @@ void Sac::CriticPass(const Transitions& batch, SacWorkspace& workspace) {
   EncoderForward(kernels_, critic_.encoder, parameters, workspace.now, workspace.kept,
                  workspace.critic_input);
   CriticsForward(kernels_, critic_, parameters, workspace.critic_input, blocks, workspace);
-  CriticLoss(workspace, batch, td_error_);
+  CriticLoss(workspace, batch, view, td_error_);
   for (const auto& [mlp, critic] :
        {std::pair(&critic_.critic1, &workspace.critic1), std::pair(&critic_.critic2, &workspace.critic2)}) {
-    MlpBackward(
-        kernels_, *mlp, parameters, workspace.critic_input, blocks, critic->head, critic->value_gradient,
-        {.parameters = workspace.critic_gradient, .input = critic->input_gradient, .input_count = features},
-        workspace.critic_scratch);
+    MlpBackward(kernels_, *mlp, parameters, workspace.critic_input, blocks, critic->head,
+                critic->value_gradient,
+                {.parameters = gradient, .input = critic->input_gradient, .input_count = features},
+                workspace.critic_scratch);
   }
   Add(workspace.critic1.input_gradient, workspace.critic2.input_gradient, features, blocks);
-  EncoderBackward(kernels_, critic_.encoder, parameters, workspace.critic_gradient, workspace.now,
-                  workspace.kept, workspace.critic_input, workspace.critic1.input_gradient,
-                  workspace.encoder_scratch);
+  EncoderBackward(kernels_, critic_.encoder, parameters, gradient, workspace.now, workspace.kept,
+                  workspace.critic_input, workspace.critic1.input_gradient, workspace.encoder_scratch);
 }
 
 void Sac::ActorPass(const Transitions& batch, SacWorkspace& workspace) {
@@ -93,12 +120,15 @@ void Sac::ActorPass(const Transitions& batch, SacWorkspace& workspace) {
   const int features = critic_.encoder.features();
   const float* policy_parameters = policy_parameters_.data();
   const float* critic_parameters = critic_parameters_.data();
-  // The critic pass's features, from before the critic's step, serve the shared encoder.
+  // Without views the critic pass's features, from before the critic's step, serve the shared encoder.
+  workspace.now.context_planes = PlanesOf(now_context_, {}, {}, workspace);
   LaneSpan policy_features = workspace.critic_input;
   if (!shared()) {
     policy_features = workspace.policy_features;
     EncoderForward(kernels_, policy_.encoder, policy_parameters, workspace.now, workspace.kept,
                    policy_features);
+  }
+  if (!shared() || views() > 1) {
     EncoderForward(kernels_, critic_.encoder, critic_parameters, workspace.now, workspace.passing,
                    workspace.critic_input);
   }
@@ -133,8 +163,8 @@ void Sac::UpdateShare(const Transitions& batch, int member) {
   SacWorkspace& workspace = workspaces_.data()[member];
   PackShare(batch, workspace, member);
   if (workspace.samples > 0) {
-    TargetPass(batch, workspace);
-    CriticPass(batch, workspace);
+    for (int view = 0; view < views(); ++view) TargetPass(batch, workspace, {view, views()});
+    for (int view = 0; view < views(); ++view) CriticPass(batch, workspace, {view, views()});
   }
   team_.Barrier();
   // Every thread sees the same sums and so takes the same way out; nothing has been stepped yet.

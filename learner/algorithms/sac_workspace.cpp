@@ -16,7 +16,7 @@ SacWorkspace::Critic TakeCritic(nn::Arena& arena, const Mlp& head, int blocks) {
 }  // namespace
 
 SacWorkspace::SacWorkspace(nn::Arena& arena, const PolicyNetwork& policy, const CriticNetwork& critic,
-                           const DrivingShape& spec, int blocks)
+                           const DrivingShape& spec, int blocks, int views)
     : now(arena, spec, blocks),
       next(arena, spec, blocks),
       kept(arena, critic.encoder, blocks, true),
@@ -33,9 +33,10 @@ SacWorkspace::SacWorkspace(nn::Arena& arena, const PolicyNetwork& policy, const 
       critic1(TakeCritic(arena, critic.critic1, blocks)),
       critic2(TakeCritic(arena, critic.critic2, blocks)),
       critic_scratch(arena, critic.critic1, blocks),
-      policy_gradient(arena.Allocate(policy.layout.size())),
-      critic_gradient(arena.Allocate(critic.layout.size())) {
+      policy_gradient(arena.Allocate(policy.layout.size())) {
+  for (int view = 0; view < views; ++view) critic_gradients.push_back(arena.Allocate(critic.layout.size()));
   const size_t capacity = static_cast<size_t>(blocks) * nn::kLanes;
+  if (views > 1) shifted.resize(capacity * DrivingShape::kContextBytes);
   actions.dimensions.resize(capacity * kActionSize);
   actions.log_probability.resize(capacity);
   targets.resize(capacity);

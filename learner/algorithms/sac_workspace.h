@@ -25,10 +25,16 @@ struct ActionSamples {
   std::vector<double> log_probability;         // [samples]
 };
 
+// Which of a batch's views a pass is over.
+struct BatchView {
+  int index = 0;
+  int count = 1;
+};
+
 // Laid out in an arena once; spans hold up to `blocks` blocks.
 struct SacWorkspace {
   SacWorkspace(nn::Arena& arena, const PolicyNetwork& policy, const CriticNetwork& critic,
-               const DrivingShape& spec, int blocks);
+               const DrivingShape& spec, int blocks, int views);
 
   // The share of this update: samples [first, first + samples) of the batch; the rest of the last block is
   // padding.
@@ -61,9 +67,10 @@ struct SacWorkspace {
   Critic critic2;
   MlpScratch critic_scratch;
 
-  float* policy_gradient = nullptr;  // this thread's, policy.layout
-  float* critic_gradient = nullptr;  // critic.layout
+  float* policy_gradient = nullptr;      // this thread's, policy.layout
+  std::vector<float*> critic_gradients;  // critic.layout, one a view
 
+  std::vector<uint8_t> shifted;  // planes of the present view, [samples, 4096]; empty without views
   ActionSamples actions;
   std::vector<float> targets;  // [samples]
   SacSums sums;

@@ -316,17 +316,37 @@ def write_batches():
 
 
 class PaperEncoder:
-    def __init__(self, context):
-        self.context = context
-        self.features = 256 if context else 128
-        self.shapes = encoder_shapes(True, context)
+    def __init__(self, context, stae=True):
+        self.context, self.stae = context, stae
+        self.features = (128 if stae else HISTORY * (20 + VEHICLES * 7)) + (128 if context else 0)
+        self.shapes = encoder_shapes(stae, context)
 
-    def __call__(self, p, k):
-        """The features of observation k."""
-        return encode(p, observation(k, self.context), True, self.context)
+    def __call__(self, p, seen):
+        """The features of observation number `seen`, or of one of its views."""
+        return encode(p, observation(seen, self.context) if isinstance(seen, int) else seen, self.stae, self.context)
 
 
-def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=(), step=1, before=None):
+VIEWS = 2  # of DrQ
+
+
+def shifted(planes, draws, pixels):
+    """Planes moved down and to the right by a uniform number of pixels each, from standard normal draws [B, 2]."""
+    uniform01 = torch.distributions.Normal(0.0, 1.0).cdf(tensor(draws))
+    shifts = (uniform01 * (2 * pixels + 1)).floor().int() - pixels
+    padded = F.pad(planes, (pixels,) * 4, mode='replicate')
+    rows, columns = (pixels - shifts).T.tolist()
+    return torch.stack([p[:, r:r + 128, c:c + 128] for p, r, c in zip(padded, rows, columns)])
+
+
+def views_of(k, salt, pixels):
+    """Observation k as it is, or with `pixels` in VIEWS views, their planes shifted by draws of `salt`."""
+    if pixels == 0:
+        return [k]
+    vehicles, ego, planes = observation(k, True)
+    return [(vehicles, ego, shifted(planes, draws, pixels)) for draws in uniform(salt, (VIEWS, BATCH, 2), 2.0)]
+
+
+def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=(), step=1, before=None, pixels=0):
     """Of the tensors every `step`th number is stored. With `before(k, critic)`, which is called before each update, the
     discounts are those of single steps."""
     hidden, features = 32, network.features
@@ -357,19 +377,29 @@ def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=
             discount = tensor(np.where(discount > 0, np.float32(0.99), np.float32(0)))
         now, after = k, k + 1
         alpha = log_alpha.exp().detach()
-        with torch.no_grad():
-            next_action, next_log = sample(mlp(policy, 'policy', run(policy, after), False), next_noise)
-            t1, t2 = q(target, torch.cat([run(target, after), next_action], 1))
-            y = reward + discount * (torch.min(t1, t2) - alpha * next_log)
-        state = run(critic, now)
-        q1, q2 = q(critic, torch.cat([state, action], 1))
-        critic_loss = (weight * (q1 - y) ** 2).mean() + (weight * (q2 - y) ** 2).mean()
-        errors.append((0.5 * (q1 + q2) - y).abs().detach().numpy())
+        noises = [next_noise, tensor(uniform(130 + k, (BATCH, 2), 2.0))]
+        targets = []
+        for view, noise in zip(views_of(after, 150 + k, pixels), noises):
+            with torch.no_grad():
+                next_action, next_log = sample(mlp(policy, 'policy', run(policy, view), False), noise)
+                t1, t2 = q(target, torch.cat([run(target, view), next_action], 1))
+                targets.append(reward + discount * (torch.min(t1, t2) - alpha * next_log))
+        y = torch.stack(targets).mean(0)
+        critic_loss, means = 0, []
+        for view in views_of(now, 140 + k, pixels):
+            state = run(critic, view)
+            q1, q2 = q(critic, torch.cat([state, action], 1))
+            critic_loss = critic_loss + (weight * (q1 - y) ** 2).mean() + (weight * (q2 - y) ** 2).mean()
+            means.append(0.5 * (q1 + q2).detach())
+        mean_q = torch.stack(means)
+        errors.append((mean_q - y).abs().mean(0).numpy())
         critic_adam.zero_grad(set_to_none=True)
         critic_loss.backward()
         critic_adam.step()
 
-        if shared:
+        if shared and pixels > 0:  # the views are not what the actor sees
+            actor_state = critic_state = run(critic, now).detach()
+        elif shared:
             actor_state = critic_state = state.detach()
         else:
             actor_state = run(policy, now)
@@ -392,7 +422,7 @@ def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=
             for a, value in zip(average, policy.values()):
                 a.mul_(decay).add_(value, alpha=1 - decay)
         losses.append([critic_loss.item(), actor_loss.item(), alpha_loss.item(), log_alpha.exp().item(),
-                       -log_probability.mean().item(), 0.5 * (q1 + q2).mean().item(), y.mean().item()])
+                       -log_probability.mean().item(), mean_q.mean().item(), y.mean().item()])
 
     save(case + '/losses', losses)
     save(case + '/td_error', errors)
@@ -419,3 +449,5 @@ if __name__ == '__main__':
     write_updates('update_separate_no_context', False, PaperEncoder(False), False, 1e-5, extras=('parameters', 'average'))
     write_updates('update_shared_no_context', True, PaperEncoder(False), True, 1e-5, extras=('parameters', 'average'))
     write_updates('update_default_epsilon', False, PaperEncoder(False), True, 1e-8, updates=1, extras=('moments',))
+    write_updates('update_drq_separate', False, PaperEncoder(True, stae=False), True, 1e-5, extras=('parameters', 'target'), pixels=2)
+    write_updates('update_drq_shared', True, PaperEncoder(True, stae=False), False, 1e-5, extras=('parameters', 'target'), pixels=2)

@@ -17,8 +17,9 @@ class AllocationTest : public ::testing::Test {
 
 TEST_F(AllocationTest, UpdateAllocatesNothingAfterTheFirst) {
   for (const EncoderSharing encoders : {EncoderSharing::kSeparate, EncoderSharing::kShared}) {
-    for (const int threads : {1, 2}) {
+    for (const auto& [threads, shift_pixels] : {std::pair(1, 0), {2, 0}, {2, 2}}) {
       Config config;
+      config.algorithm.shift_pixels = shift_pixels;
       config.model.encoders = encoders;
       config.algorithm.batch_size = 40;
       config.learner.threads = threads;

@@ -28,14 +28,16 @@ struct Case {
   double epsilon = 1e-5;
   int updates = 3;
   bool scene = false;
+  int shift_pixels = 0;  // above 0: DrQ, without STAE
 };
 
 Config ConfigOf(const Case& c, int threads) {
   Config config;
   config.model.encoders = c.encoders;
   config.model.scene = config.observation.polylines = c.scene;
-  config.model.stae = !c.scene;
+  config.model.stae = !c.scene && c.shift_pixels == 0;
   config.model.context = c.context;
+  config.algorithm.shift_pixels = c.shift_pixels;
   config.model.critic_layer_norm = c.critic_layer_norm;
   config.model.hidden = 32;
   config.algorithm.batch_size = kBatch;
@@ -73,7 +75,12 @@ std::unique_ptr<Sac> MakeSac(const Case& c, int threads) {
   auto noise = std::make_unique<RecordedNoise>();
   for (int k = 0; k < c.updates; ++k) {
     noise->Push(Floats("inputs/next_noise" + std::to_string(k)));
+    const auto update = static_cast<uint64_t>(k);
+    if (c.shift_pixels > 0) noise->Push(golden::Uniform(130 + update, size_t{kBatch} * 2, 2.0f));
     noise->Push(Floats("inputs/now_noise" + std::to_string(k)));
+    if (c.shift_pixels == 0) continue;
+    noise->Push(golden::Uniform(140 + update, size_t{2} * kBatch * 2, 2.0f));
+    noise->Push(golden::Uniform(150 + update, size_t{2} * kBatch * 2, 2.0f));
   }
   auto sac = std::make_unique<Sac>(ConfigOf(c, threads), std::move(noise));
   const std::span<float> policy = FloatsOf(*sac, "policy");
@@ -168,6 +175,14 @@ TEST_P(SacGolden, SceneEncoder) {
                                31, FirstTrained(*sac, c));
   golden::ExpectEveryNthAgrees(sac->critic().layout, FloatsOf(*sac, "critic"), Floats("scene/update/critic"),
                                31);
+}
+TEST_P(SacGolden, DrQWithSeparateEncoders) {
+  CheckThreeUpdates({"update_drq_separate", EncoderSharing::kSeparate, true, true, 1e-5, 3, false, 2},
+                    GetParam(), "target");
+}
+TEST_P(SacGolden, DrQWithASharedEncoder) {
+  CheckThreeUpdates({"update_drq_shared", EncoderSharing::kShared, true, false, 1e-5, 3, false, 2},
+                    GetParam(), "target");
 }
 
 // After the first update: moments as PyTorch's, and every parameter whose gradient is above rounding noise

@@ -21,9 +21,9 @@ class SacLossesTest : public testing::Test {
  protected:
   SacLossesTest() : policy_({}, Model()), critic_({}, Model()) {
     nn::Arena measure;
-    SacWorkspace(measure, policy_, critic_, {}, 2);
+    SacWorkspace(measure, policy_, critic_, {}, 2, 1);
     arena_ = nn::Arena(measure.used());
-    workspace_ = std::make_unique<SacWorkspace>(arena_, policy_, critic_, DrivingShape{}, 2);
+    workspace_ = std::make_unique<SacWorkspace>(arena_, policy_, critic_, DrivingShape{}, 2, 1);
     workspace_->samples = kBatch;
   }
 
@@ -85,7 +85,7 @@ TEST_F(SacLossesTest, AllLossesAgreeWithPyTorch) {
     batch.weight[i] = std::abs(batch.weight[i]);
     batch.discount[i] = i % 5 == 0 ? 0.0f : std::abs(batch.discount[i]);
   }
-  ComputeTargets(w, batch, kAlpha);
+  ComputeTargets(w, batch, {}, kAlpha);
   ExpectAgrees(std::span(w.targets).first(kBatch), Floats("losses/target"), "target");
 
   w.sums = {};
@@ -103,7 +103,7 @@ TEST_F(SacLossesTest, AllLossesAgreeWithPyTorch) {
   Write(w.critic1.value, 1, Uniform(87, kBatch));
   Write(w.critic2.value, 1, Uniform(88, kBatch));
   std::vector<float> td_error(kBatch);
-  CriticLoss(w, batch, td_error);
+  CriticLoss(w, batch, {}, td_error);
   EXPECT_NEAR((w.sums.weighted_squares1 + w.sums.weighted_squares2) / kBatch,
               static_cast<double>(Floats("losses/critic_loss").at(0)), 1e-6);
   ExpectAgrees(Read(w.critic1.value_gradient, 1), Floats("losses/value1_gradient"), "value 1");
@@ -117,7 +117,7 @@ TEST_F(SacLossesTest, PaddingGetsNoGradient) {
   }
   TransitionBatch batch(DrivingShape{}, kBatch);
   std::vector<float> td_error(kBatch);
-  CriticLoss(w, batch, td_error);
+  CriticLoss(w, batch, {}, td_error);
   for (nn::LaneSpan span : {w.critic1.value_gradient, w.critic2.value_gradient}) {
     for (int lane = kBatch % nn::kLanes; lane < nn::kLanes; ++lane) EXPECT_EQ(span.block(1)[lane], 0.0f);
   }
@@ -147,7 +147,7 @@ TEST_F(SacLossesTest, NStepTargetsMatchAHandWorkedTable) {
   Write(w.critic1.value, 1, std::vector<float>(kBatch, 5.0f));
   Write(w.critic2.value, 1, std::vector<float>(kBatch, 2.0f));
   std::ranges::fill(w.actions.log_probability, -1.0);
-  ComputeTargets(w, batch, 0.5);
+  ComputeTargets(w, batch, {}, 0.5);
   for (size_t i = 0; i < std::size(rows); ++i)
     EXPECT_NEAR(w.targets[i], rows[i].target, 1e-6) << rows[i].what;
 }
@@ -162,7 +162,7 @@ TEST_F(SacLossesTest, NanInEitherCriticReachesTargetAndLoss) {
     std::vector<float> values(kBatch, 2.0f);
     values[4] = std::nanf("");
     Write(critic->value, 1, values);
-    ComputeTargets(w, batch, 0.1);
+    ComputeTargets(w, batch, {}, 0.1);
     EXPECT_TRUE(std::isnan(w.targets[4]));
     w.sums = {};
     ActorValueGradient(w, kBatch, 0.1);

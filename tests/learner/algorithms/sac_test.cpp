@@ -184,6 +184,32 @@ std::string SharingName(const testing::TestParamInfo<EncoderSharing>& info) {
 INSTANTIATE_TEST_SUITE_P(Encoders, SacOnEverySharing,
                          testing::Values(EncoderSharing::kSeparate, EncoderSharing::kShared), SharingName);
 
+// Two views in place of one: as reproducible, resumable and free of padding.
+TEST(SacTest, WithShiftedViewsItIsAsReproducibleAndResumable) {
+  for (const EncoderSharing sharing : {EncoderSharing::kSeparate, EncoderSharing::kShared}) {
+    Config config = SmallConfig(sharing, 2);
+    config.algorithm.shift_pixels = 2;
+    Sac first(config);
+    Sac second(config);
+    Train(first, 0, 2);
+    Train(second, 0, 2);
+    EXPECT_EQ(Snapshot(first), Snapshot(second));
+    config.seed = 99;
+    Sac resumed(config);
+    Restore(resumed, Snapshot(first));
+    Train(first, 2, 2);
+    Train(resumed, 2, 2);
+    EXPECT_EQ(Snapshot(first), Snapshot(resumed));
+    const TransitionBatch batch = AnyBatch(kSpec, 17, 600);
+    ASSERT_TRUE(first.Update(batch));
+    ASSERT_TRUE(second.Update(AnyBatch(kSpec, 48, 500)));
+    Restore(second, Snapshot(resumed));
+    ASSERT_TRUE(second.Update(batch));
+    EXPECT_EQ(Snapshot(first), Snapshot(second));
+    EXPECT_EQ(first.priorities().size(), 17u);
+  }
+}
+
 TEST(SacTest, MoreThreadsThanBlocksWork) {
   Config config = SmallConfig(EncoderSharing::kSeparate, 4);
   config.algorithm.batch_size = 32;
