@@ -68,7 +68,7 @@ void ChunkBuilder::Begin(uint64_t episode, uint32_t first_frame) {
 
 void ChunkBuilder::AddTransition(ColumnRows observation, std::span<const float> decision, float reward,
                                  uint8_t flags, uint32_t policy_version) {
-  assert((flags & ~(kTerminated | kTruncated)) == 0);
+  assert((flags & ~(kTerminated | kTruncated | kSuccess)) == 0);
   assert(decision.size() == decision_floats_);
   decisions_.insert(decisions_.end(), decision.begin(), decision.end());
   AddFrame(observation, reward, flags | kHasDecision, policy_version);
@@ -197,14 +197,16 @@ Status ChunkView::CheckFrames() const {
     }
     const uint8_t bits = flags(i);
     const bool last = i == frames() - 1;
-    const bool known = (bits & ~(kHasDecision | kTerminated | kTruncated)) == 0;
+    const bool known = (bits & ~(kHasDecision | kTerminated | kTruncated | kSuccess)) == 0;
     const bool one_end = (bits & (kTerminated | kTruncated)) != (kTerminated | kTruncated);
+    const bool succeeds_at_end = (bits & kSuccess) == 0 || (bits & kTerminated) != 0;
     const bool final_frame = (bits & kHasDecision) == 0;
     const bool ends_here = final_frame || (bits & kTerminated) != 0;
     const bool after_truncation = i > 0 && (flags(i - 1) & kTruncated) != 0;
     // In a chunk's first frame a final observation may follow a truncation of the chunk before.
     const bool final_in_place = i == 0 || final_frame == after_truncation;
-    if (!known || !one_end || (final_frame && bits != 0) || (ends_here && !last) || !final_in_place) {
+    if (!known || !one_end || !succeeds_at_end || (final_frame && bits != 0) || (ends_here && !last) ||
+        !final_in_place) {
       return Fail(ErrorCode::kCorrupt, "chunk's frame {} of {} has impossible flags {:#04x}", i, frames(),
                   bits);
     }

@@ -41,6 +41,7 @@ enum FrameFlag : uint8_t {
   kHasDecision = 1,  // decision, reward and policy_version are valid
   kTerminated = 2,   // the action ended the episode; nothing follows
   kTruncated = 4,    // the action was the last before the time limit; the next frame is the final observation
+  kSuccess = 8,  // with kTerminated: by reaching the goal (none of experience from before it was recorded)
 };
 
 // Who wrote a chunk: the replay accepts each identity exactly once.
@@ -66,8 +67,8 @@ class ChunkBuilder {
 
   // Starts an empty chunk whose first frame is frame `first_frame` of `episode`.
   void Begin(uint64_t episode, uint32_t first_frame);
-  // A frame with what was decided on it, the spec's decision_floats; `flags` of kTerminated and kTruncated,
-  // kHasDecision is added.
+  // A frame with what was decided on it, the spec's decision_floats; `flags` of kTerminated, kTruncated and
+  // kSuccess, kHasDecision is added.
   void AddTransition(ColumnRows observation, std::span<const float> decision, float reward, uint8_t flags,
                      uint32_t policy_version);
   // The observation after a truncation.

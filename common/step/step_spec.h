@@ -58,9 +58,9 @@ Result<size_t> FindColumn(const std::vector<ColumnSpec>& columns, std::string_vi
                           size_t dimensions);
 
 // What every step has beside its columns, whose names are others: exports have an array of each.
-constexpr std::array<std::string_view, 9> kStepNames = {"rewards",      "terminated",     "truncated",
-                                                        "has_decision", "policy_version", "actor",
-                                                        "incarnation",  "episode",        "step"};
+constexpr std::array<std::string_view, 10> kStepNames = {
+    "rewards", "terminated",  "truncated", "has_decision", "policy_version",
+    "actor",   "incarnation", "episode",   "step",         "success"};
 
 // kInvalidArgument: a name twice, none or of kStepNames, a shape with nothing in it, a codec that does not
 // fit the column, no decision or one beyond kMaxDecisionFloats, more than kMaxStepElements.

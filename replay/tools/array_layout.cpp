@@ -5,7 +5,7 @@ namespace {
 
 // NumPy's, of kStepNames.
 constexpr std::array<std::string_view, kStepNames.size()> kStepTypes = {"<f4", "|u1", "|u1", "|u1", "<u4",
-                                                                        "<u4", "<u8", "<u8", "<u4"};
+                                                                        "<u4", "<u8", "<u8", "<u4", "|u1"};
 
 }  // namespace
 

@@ -10,7 +10,8 @@
 
 namespace dadrl {
 
-constexpr int kArrayFormat = 2;  // 1, which import reads too, has one kind of columns
+// 1 and 2, which import reads too, have one kind of columns, and no array of successes.
+constexpr int kArrayFormat = 3;
 constexpr std::string_view kArrayIndex = "index.json";
 
 struct ArrayLayout {
@@ -31,7 +32,11 @@ enum class StepArray {
   kIncarnation,
   kEpisode,
   kStep,
+  kSuccess,
 };
+
+// That it does not have in exports of `format`: it is zero there.
+inline bool IsIn(StepArray array, uint64_t format) { return array != StepArray::kSuccess || format >= 3; }
 
 // An array a column: those of the observation, those of the decision; then one for each StepArray. Bits are a
 // byte each.

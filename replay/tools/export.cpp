@@ -105,7 +105,8 @@ class Exporter {
     DADRL_RETURN_IF_ERROR(Put(StepArray::kActor, header.identity.actor));
     DADRL_RETURN_IF_ERROR(Put(StepArray::kIncarnation, header.identity.incarnation));
     DADRL_RETURN_IF_ERROR(Put(StepArray::kEpisode, header.episode));
-    return Put(StepArray::kStep, header.first_frame + static_cast<uint32_t>(frame));
+    DADRL_RETURN_IF_ERROR(Put(StepArray::kStep, header.first_frame + static_cast<uint32_t>(frame)));
+    return Put(StepArray::kSuccess, has(kSuccess));
   }
 
   Status AddColumn(size_t index) {

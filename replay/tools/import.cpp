@@ -128,17 +128,19 @@ class Importer {
     DADRL_RETURN_IF_ERROR(CheckDecision(row, reward));
     const bool terminated = arrays_.Value<uint8_t>(StepArray::kTerminated, row) != 0;
     const bool truncated = arrays_.Value<uint8_t>(StepArray::kTruncated, row) != 0;
-    builder_.AddTransition(
-        columns_, decision_, reward,
-        static_cast<uint8_t>((terminated ? kTerminated : 0) | (truncated ? kTruncated : 0)),
-        arrays_.Value<uint32_t>(StepArray::kPolicyVersion, row));
+    const bool success = arrays_.Value<uint8_t>(StepArray::kSuccess, row) != 0;
+    builder_.AddTransition(columns_, decision_, reward,
+                           static_cast<uint8_t>((terminated ? kTerminated : 0) |
+                                                (truncated ? kTruncated : 0) | (success ? kSuccess : 0)),
+                           arrays_.Value<uint32_t>(StepArray::kPolicyVersion, row));
     ++transitions_;
     ended_ = terminated;
     return {};
   }
 
   Status CheckFlags(uint64_t row) const {
-    for (const StepArray array : {StepArray::kHasDecision, StepArray::kTerminated, StepArray::kTruncated}) {
+    for (const StepArray array :
+         {StepArray::kHasDecision, StepArray::kTerminated, StepArray::kTruncated, StepArray::kSuccess}) {
       if (arrays_.Value<uint8_t>(array, row) <= 1) continue;
       return Fail(ErrorCode::kInvalidArgument, "row {}: {}.npy holds something else than 0 and 1", row,
                   arrays_.Name(IndexOf(arrays_.spec(), array)));

@@ -20,7 +20,9 @@ constexpr size_t kMaxWord = 64;
 Result<ImportedArrays> ImportedArrays::Open(const std::filesystem::path& folder) {
   ImportedArrays arrays;
   DADRL_RETURN_IF_ERROR(arrays.ReadIndex(folder / kArrayIndex));
+  const size_t successes = IndexOf(arrays.spec_, StepArray::kSuccess);
   for (const ArrayLayout& layout : ArrayLayouts(arrays.spec_)) {
+    if (arrays.arrays_.size() == successes && !IsIn(StepArray::kSuccess, arrays.format_)) break;
     const std::filesystem::path path = arrays.FileOf(folder, layout);
     DADRL_ASSIGN_OR_RETURN(MappedFile file, MappedFile::Open(path, Links::kFollow));
     DADRL_ASSIGN_OR_RETURN(const NpyView view, ParseNpy(file.bytes(), layout.type, path));

@@ -28,9 +28,11 @@ class ImportedArrays {
     const auto& [layout, values, file] = arrays_[index];
     return values.subspan(row * layout.row_bytes, layout.row_bytes);
   }
+  // Zero where this format has no such array.
   template <typename T>
   T Value(StepArray array, uint64_t row) const {
-    T value;
+    T value{};
+    if (!IsIn(array, format_)) return value;
     std::memcpy(&value, Row(IndexOf(spec_, array), row).data(), sizeof(T));
     return value;
   }

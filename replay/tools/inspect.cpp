@@ -21,6 +21,7 @@ struct Contents {
   uint64_t episodes = 0;
   uint64_t terminated = 0;
   uint64_t truncated = 0;
+  uint64_t successes = 0;  // of the terminated
   uint64_t damaged_bytes = 0;
   uint32_t oldest_version = std::numeric_limits<uint32_t>::max();
   uint32_t newest_version = 0;
@@ -43,6 +44,7 @@ struct Contents {
       ++transitions;
       terminated += (flags & kTerminated) != 0;
       truncated += (flags & kTruncated) != 0;
+      successes += (flags & kSuccess) != 0;
       oldest_version = std::min(oldest_version, chunk.policy_version(frame));
       newest_version = std::max(newest_version, chunk.policy_version(frame));
     }
@@ -78,6 +80,7 @@ nlohmann::ordered_json Json(const ShardReader& reader, const Contents& c) {
           {"episodes", c.episodes},
           {"ends",
            {{"terminated", c.terminated},
+            {"by_success", c.successes},
             {"truncated", c.truncated},
             {"unfinished", c.episodes - std::min(c.episodes, c.terminated + c.truncated)}}},
           {"actors", c.last_episode.size()},

@@ -160,7 +160,10 @@ TEST(Chunk, FlagsThatNoEpisodeHasAreRefused) {
   EXPECT_FALSE(accepts(0, kHasDecision));
   EXPECT_FALSE(accepts(kHasDecision, kHasDecision | kTerminated | kTruncated));
   EXPECT_FALSE(accepts(kHasDecision, kTerminated));
-  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | 8));
+  EXPECT_TRUE(accepts(kHasDecision, kHasDecision | kTerminated | kSuccess));
+  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | kSuccess));
+  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | kTruncated | kSuccess));
+  EXPECT_FALSE(accepts(kHasDecision, kHasDecision | 16));
 }
 
 TEST(Chunk, SchemaFollowsTheObservation) {

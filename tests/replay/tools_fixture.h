@@ -43,7 +43,7 @@ class ToolsTest : public testing::Test {
     ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {1, 5, sequence_},
                                                         .episode = sequence_,
                                                         .frames = 20,
-                                                        .end = kTerminated,
+                                                        .end = kTerminated | kSuccess,
                                                         .policy_version = 2,
                                                         .floats = floats})));
     ASSERT_TRUE(table.Insert(MakeSyntheticChunk(kSpec, {.identity = {2, 6, sequence_},

@@ -35,6 +35,7 @@ TEST_F(ToolsTest, InspectCountsWhatIsThereFromAnyOfItsFolders) {
     EXPECT_EQ(json["transitions"], 30 * 30 + 3);
     EXPECT_EQ(json["episodes"], 61);
     EXPECT_EQ(json["ends"]["terminated"], 30);
+    EXPECT_EQ(json["ends"]["by_success"], 30);
     EXPECT_EQ(json["ends"]["truncated"], 30);
     EXPECT_EQ(json["ends"]["unfinished"], 1);
     EXPECT_EQ(json["actors"], 2);
@@ -138,7 +139,7 @@ TEST_P(RoundTrip, ExportImportExportIsTheSameToTheByte) {
         << entry.path().filename();
     ++files;
   }
-  EXPECT_EQ(files, 14u);
+  EXPECT_EQ(files, 15u);
   // A replay takes it as its own.
   TableOptions options{.directory = fs::path(At("imported")) / "shard-0", .spec = kSpec, .replay = {}};
   const auto table = ReplayTable::Open(options, clock_).value();
@@ -149,6 +150,7 @@ TEST_P(RoundTrip, ExportImportExportIsTheSameToTheByte) {
 TEST_F(ToolsTest, AnExportOfTheFirstFormatIsImportedAsItWas) {
   Store(3);
   ASSERT_EQ(RunTool({"export", run_.string(), "--out", At("a")}).exit_code, 0);
+  ASSERT_TRUE(fs::remove(fs::path(At("a")) / "success.npy"));
   fs::rename(fs::path(At("a")) / "action.npy", fs::path(At("a")) / "actions.npy");
   fs::rename(fs::path(At("a")) / "has_decision.npy", fs::path(At("a")) / "has_action.npy");
   std::ofstream(fs::path(At("a")) / "index.json")
@@ -254,6 +256,7 @@ rows = index["rows"]
 assert rows == 2 * 31 + 3
 transitions = a["has_decision"] == 1
 assert transitions.sum() == 63 and a["terminated"].sum() == 2 and a["truncated"].sum() == 2
+assert (a["success"] == a["terminated"]).all()
 # The row behind a transition is its next observation, unless the episode terminated.
 after = numpy.flatnonzero(a["truncated"]) + 1
 assert (a["has_decision"][after] == 0).all() and (a["step"][after] == 10).all()
