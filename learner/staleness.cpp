@@ -1,6 +1,7 @@
 #include "learner/staleness.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace dadrl {
 
@@ -20,22 +21,27 @@ void StalenessTracker::OnPublish(uint32_t version, int64_t wall_ns) {
   if (published_ns_.size() > kRemembered) published_ns_.pop_front();
 }
 
-void StalenessTracker::Add(std::span<const uint32_t> acting_versions) {
-  for (const uint32_t acting : acting_versions) {
-    // A restored learner may briefly be behind what an actor got from the one before it.
-    const uint32_t behind = newest_ - std::min(acting, newest_);
-    double seconds = 0.0;
-    if (!published_ns_.empty()) {
-      const size_t back = std::min<size_t>(behind, published_ns_.size() - 1);
-      // A wall clock set back must not make experience come from the future.
-      seconds = std::max(0.0, 1e-9 * (published_ns_.back() - published_ns_[published_ns_.size() - 1 - back]));
-    }
-    versions_sum_ += behind;
-    seconds_sum_ += seconds;
-    max_.versions_max = std::max<double>(max_.versions_max, behind);
-    max_.seconds_max = std::max(max_.seconds_max, seconds);
+void StalenessTracker::Add(const TrajectoryBatch& batch) {
+  const auto count = static_cast<size_t>(batch.shape.count);
+  for (size_t b = 0; b < count; ++b) {
+    for (size_t t = 0; std::cmp_less(t, batch.steps[b]); ++t) AddStep(batch.policy_versions[t * count + b]);
   }
-  count_ += acting_versions.size();
+}
+
+void StalenessTracker::AddStep(uint32_t acting_version) {
+  // A restored learner may briefly be behind what an actor got from the one before it.
+  const uint32_t behind = newest_ - std::min(acting_version, newest_);
+  double seconds = 0.0;
+  if (!published_ns_.empty()) {
+    const size_t back = std::min<size_t>(behind, published_ns_.size() - 1);
+    // A wall clock set back must not make experience come from the future.
+    seconds = std::max(0.0, 1e-9 * (published_ns_.back() - published_ns_[published_ns_.size() - 1 - back]));
+  }
+  versions_sum_ += behind;
+  seconds_sum_ += seconds;
+  max_.versions_max = std::max<double>(max_.versions_max, behind);
+  max_.seconds_max = std::max(max_.seconds_max, seconds);
+  ++count_;
 }
 
 Staleness StalenessTracker::TakeInterval() {

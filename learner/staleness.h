@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "common/step/trajectory_batch.h"
+
 namespace dadrl {
 
-// Mean and maximum over the transitions of an interval.
+// Mean and maximum over the steps of an interval.
 struct Staleness {
   double versions_mean = 0.0;
   double versions_max = 0.0;
@@ -16,7 +18,7 @@ struct Staleness {
   double seconds_max = 0.0;
 };
 
-// A transition is as stale as the policy that acted is older than the newest one: in versions, and in seconds
+// A step is as stale as the policy that acted is older than the newest one: in versions, and in seconds
 // between their publications. Remembers the last 4096 publications; what is older, or random driving before
 // the first version, counts as old as the oldest remembered. Not thread safe.
 class StalenessTracker {
@@ -27,8 +29,9 @@ class StalenessTracker {
   StalenessTracker(uint32_t newest, std::span<const int64_t> published_ns);
 
   void OnPublish(uint32_t version, int64_t wall_ns);
-  // The policy versions of one batch.
-  void Add(std::span<const uint32_t> acting_versions);
+  // The policies that acted in the steps of one batch; what lies behind a trajectory's end counts for
+  // nothing.
+  void Add(const TrajectoryBatch& batch);
 
   // Over what was added since the last call; all zero when nothing was.
   Staleness TakeInterval();
@@ -37,6 +40,8 @@ class StalenessTracker {
   std::vector<int64_t> published_ns() const { return {published_ns_.begin(), published_ns_.end()}; }
 
  private:
+  void AddStep(uint32_t acting_version);
+
   uint32_t newest_;
   std::deque<int64_t> published_ns_;  // the last is newest_'s
   double versions_sum_ = 0.0;

@@ -72,7 +72,7 @@ Result<Trainer::Step> Trainer::RunStep(Duration timeout) {
     means_.Add(parts_.algorithm.scalars());
     ++interval_updates_;
     shared_updates_ = updates_;
-    staleness_.Add(std::span(batch->policy_versions).first(batch->keys.size()));
+    staleness_.Add(*batch);
   }
   if (sends_priorities_) parts_.batches.UpdatePriorities(*batch, parts_.algorithm.priorities());
   parts_.batches.Release(batch);

@@ -28,6 +28,8 @@ Collector::Collector(const Config& config, const Parts& parts, uint32_t actor, u
       random_(ActionSeed(config.seed, actor, incarnation)),
       random_actions_(kSimulationStepS * config.task.decision_interval),
       before_(DrivingShape::From(config.observation)),
+      decision_columns_(DrivingStepSpec(config).decision),
+      decision_(DrivingStepSpec(config).decision_floats()),
       episode_(last_episode) {}
 
 Result<std::optional<CollectedEpisode>> Collector::RunEpisode() {
@@ -81,18 +83,44 @@ Result<bool> Collector::Decide() {
   before_ = parts_.environment.observation();
   const Action action = Act();
   DADRL_ASSIGN_OR_RETURN(const StepResult step, parts_.environment.Step(action));
-  const uint8_t flags = step.terminated ? kTerminated : step.truncated ? kTruncated : 0;
-  parts_.sink.AddTransition(before_, action, step.reward, flags, version_);
-  if (flags == kTruncated) parts_.sink.AddFinal(parts_.environment.observation());
+  parts_.sink.AddTransition(before_, decision_, step.reward, FlagsOf(step), version_);
+  if (step.truncated) parts_.sink.AddFinal(parts_.environment.observation());
   MutexLock lock(mutex_);
   ++progress_.decisions;
   progress_.env_steps += static_cast<uint64_t>(config_.task.decision_interval);
   return step.ended();
 }
 
+uint8_t Collector::FlagsOf(const StepResult& step) const {
+  if (step.truncated) return kTruncated;
+  if (!step.terminated) return 0;
+  const bool success = parts_.environment.summary().outcome == Outcome::kSuccess;
+  return static_cast<uint8_t>(kTerminated | (success ? kSuccess : 0));
+}
+
 Action Collector::Act() {
-  if (parts_.driver != nullptr) return parts_.driver->Act(parts_.environment);
-  return version_ == 0 ? random_actions_.Next(random_) : parts_.policy.Act(before_, &random_);
+  std::ranges::fill(decision_, 0.0f);
+  Action action;
+  if (parts_.driver != nullptr) {
+    action = parts_.driver->Act(parts_.environment);
+  } else if (version_ == 0) {
+    action = random_actions_.Next(random_);
+  } else {
+    action = parts_.policy.Act(before_, &random_);
+    RecordDecision();
+  }
+  std::ranges::copy(action, decision_.begin());
+  return action;
+}
+
+void Collector::RecordDecision() {
+  const PolicyModel::Details& details = parts_.policy.last();
+  auto at = decision_.begin();
+  for (const ColumnSpec& column : decision_columns_) {
+    const std::span<const float> values = details.Find(column.name);
+    if (values.size() == column.elements()) std::ranges::copy(values, at);
+    at += static_cast<ptrdiff_t>(column.elements());
+  }
 }
 
 Result<std::optional<CollectedEpisode>> Collector::Lose(const Error& error) {

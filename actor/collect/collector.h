@@ -76,8 +76,12 @@ class Collector {
  private:
   // The simulator is ready, or this episode is lost (false), or there is no hope.
   Result<bool> Reset();
-  // For the observation in before_.
+  // How the frame before it ends, as it is stored.
+  uint8_t FlagsOf(const StepResult& step) const;
+  // For the observation in before_; leaves the decision columns in decision_.
   Action Act();
+  // Fills the decision columns behind the action from what the policy says of its last Act under their names.
+  void RecordDecision();
   // One decision; true when the episode ended.
   Result<bool> Decide();
   Result<std::optional<CollectedEpisode>> Lose(const Error& error);
@@ -94,6 +98,8 @@ class Collector {
   Random random_;
   RandomActions random_actions_;
   Observation before_;             // the observation that the action answers
+  const std::vector<ColumnSpec> decision_columns_;
+  std::vector<float> decision_;    // their values; zero where who drives says nothing of them
   std::vector<float> parameters_;  // scratch of TakePolicy
   uint64_t episode_;
   uint64_t seed_ = 0;

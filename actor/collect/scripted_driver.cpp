@@ -9,9 +9,20 @@
 namespace dadrl {
 namespace {
 
-std::string NameOf(Config config) {
-  for (const ConfigField& field : SchemaOf(config)) {
-    if (field.key == "actor.policy") return FormatValue(field);
+// Of what a policy was trained on, against what this run drives.
+Status CheckSame(const Config& trained, const Config& run) {
+  Config before = trained;
+  Config now = run;
+  const std::vector<ConfigField> theirs = SchemaOf(before);
+  const std::vector<ConfigField> ours = SchemaOf(now);
+  for (size_t i = 0; i < ours.size(); ++i) {
+    const std::string was = FormatValue(theirs[i]);
+    const std::string is = FormatValue(ours[i]);
+    const bool counts = ours[i].key.starts_with("observation.") || ours[i].key.starts_with("task.");
+    if (was == is || !counts) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                "actor.policy: {} was trained with {}: {}, this run has {}; set it", run.actor.policy,
+                ours[i].key, was, is);
   }
   return {};
 }
@@ -19,10 +30,11 @@ std::string NameOf(Config config) {
 }  // namespace
 
 Result<std::unique_ptr<ScriptedDriver>> ScriptedDriver::Make(const Config& config) {
-  if (config.actor.policy == ActorPolicy::kLearned) return nullptr;
+  if (config.actor.policy == "learned") return nullptr;
   PolicyOptions options;
   options.random_hold_steps = config.task.decision_interval;
-  DADRL_ASSIGN_OR_RETURN(PolicySetup setup, MakePolicy(NameOf(config), config, options));
+  DADRL_ASSIGN_OR_RETURN(PolicySetup setup, MakePolicy(config.actor.policy, config, options));
+  DADRL_RETURN_IF_ERROR(CheckSame(setup.config, config));
   return std::unique_ptr<ScriptedDriver>(
       new ScriptedDriver(std::move(setup.policy), config.task.max_speed_mps));
 }

@@ -1,4 +1,4 @@
-// A scripted driver in an actor: experience to learn from that no learner's policy made.
+// A driver of its own in an actor: experience to learn from that no learner's policy made.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,8 @@ namespace dadrl {
 // the driver asked for, and speeds beyond task.max_speed_mps are that. Not thread safe.
 class ScriptedDriver {
  public:
-  // The one of `actor.policy`; null for `learned`.
+  // The one of `actor.policy`, a name or the path of a policy file; null for `learned`. Errors of MakePolicy;
+  // kInvalidArgument, with key and both values, when a policy was trained on other observations or decisions.
   static Result<std::unique_ptr<ScriptedDriver>> Make(const Config& config);
 
   // After the environment's Reset(seed).

@@ -65,6 +65,7 @@ struct ModelConfig {
   bool critic_layer_norm = true;
   double log_std_min = -5.0;
   double log_std_max = 2.0;
+  bool log_probability = false;  // recorded with each action, in a decision column of this name
 };
 
 struct AlgorithmConfig {
@@ -85,6 +86,11 @@ struct AlgorithmConfig {
   int latent_steps = 1;            // that are predicted ahead
   int64_t warmup_updates = 0;      // until the learning rate is whole
   int shift_pixels = 0;            // of the bird's-eye planes in two views of each batch; 0: no views
+  int rollout = 512;               // decisions of a batch on policy
+  int epochs = 10;                 // over a rollout
+  double gae_lambda = 0.95;
+  double clip_ratio = 0.2;
+  double entropy_weight = 0.01;
 };
 
 struct ReplayConfig {
@@ -133,13 +139,14 @@ struct LearnerConfig {
   double max_cpu_seconds = 0.0;  // of the learner process; 0: until stopped
 };
 
-// Who drives in the actors: the learner's policy, or a driver of this name.
-enum class ActorPolicy { kLearned, kRandom, kRdm, kSlow, kPredictive };
+// Whose frames an actor stores.
+enum class KeptEpisodes { kAll, kSuccesses };
 
 struct ActorConfig {
   int count = 1;
-  ActorPolicy policy = ActorPolicy::kLearned;
-  bool wait_for_policy = false;  // before the first one arrives; else actors drive at random until then
+  std::string policy = "learned";  // who drives: the learner's, a scripted driver's name, or a policy file
+  bool wait_for_policy = false;    // before the first one arrives; else actors drive at random until then
+  KeptEpisodes keep = KeptEpisodes::kAll;
   int chunk_frames = 64;
   int64_t max_unacknowledged_bytes = int64_t{64} << 20;
   FloatCoding floats = FloatCoding::kFloat16;

@@ -76,6 +76,17 @@ void AddTask(SchemaBuilder& b, Config& c) {
         "Two ways ahead of the ego and of each vehicle, ten points each, as another column");
 }
 
+void AddOnPolicy(SchemaBuilder& b, AlgorithmConfig& a) {
+  b.Add("algorithm.rollout", a.rollout, 16, 1 << 20, "Decisions of a batch, on policy");
+  b.Add("algorithm.epochs", a.epochs, 1, 1000, "Passes over a batch, on policy");
+  b.Add("algorithm.gae_lambda", a.gae_lambda, 0, 1,
+        "Decay of the generalised advantage estimate, per decision: 0 trusts the values, 1 the rewards");
+  b.Add("algorithm.clip_ratio", a.clip_ratio, 1e-3, 10,
+        "How far an update may change an action's probability, as a fraction of it");
+  b.Because("with 0 no update would change anything");
+  b.Add("algorithm.entropy_weight", a.entropy_weight, 0, 100, "Reward of a nat of entropy, on policy");
+}
+
 void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("model.policy", c.model.policy, "What acts: squashed_gaussian is a Gaussian through tanh");
   b.Add("model.stae", c.model.stae, "Spatio-temporal attention encoder; false is the paper's ablation");
@@ -90,6 +101,8 @@ void AddTraining(SchemaBuilder& b, Config& c) {
         "Lower clamp of the policy's log standard deviation");
   b.Add("model.log_std_max", c.model.log_std_max, 0, 10,
         "Upper clamp of the policy's log standard deviation");
+  b.Add("model.log_probability", c.model.log_probability,
+        "Actors record the log-probability of each action, as methods on policy need");
   AlgorithmConfig& a = c.algorithm;
   b.Add("algorithm.name", a.name,
         "Learning algorithm (dadrl algorithms lists them); its preset stands between the defaults and "
@@ -114,7 +127,7 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Because("two actions in [-1, 1] have at most 2 ln 2 = 1.386 nats, a squashed Gaussian 1.367");
   b.Add("algorithm.average_decay", a.average_decay, 0, 1, "Decay of the averaged policy, per update");
   b.Add("algorithm.max_gradient_norm", a.max_gradient_norm, 0, 1e6,
-        "A longer gradient is scaled to it (dt); 0 is no limit");
+        "A longer gradient of a network is scaled to it (dt, ppo); 0 is no limit");
   b.Add("algorithm.weight_decay", a.weight_decay, 0, 1, "AdamW's decay of weight matrices (dt)");
   b.Add("algorithm.latent_steps", a.latent_steps, 1, 32,
         "Decisions over which the encoder learns to predict its own state (slt)");
@@ -123,6 +136,7 @@ void AddTraining(SchemaBuilder& b, Config& c) {
   b.Add("algorithm.shift_pixels", a.shift_pixels, 0, 16,
         "Soft actor-critic learns from two views of each batch, their bird's-eye planes shifted by up to so "
         "many pixels (0.4 m); 0 is one view, unshifted");
+  AddOnPolicy(b, a);
 }
 
 void AddReplay(SchemaBuilder& b, Config& c) {
@@ -181,10 +195,14 @@ void AddProcesses(SchemaBuilder& b, Config& c) {
         "Stop after so many seconds of the learner's processor time, all its threads together; 0 is never");
   ActorConfig& a = c.actor;
   b.Add("actor.count", a.count, 0, 4096, "Actor processes on this machine");
-  b.AddChoice("actor.policy", a.policy, {"learned", "random", "rdm", "slow", "predictive"},
-              "Who drives: the policy that is learnt, or a scripted driver, whose experience is learnt from");
+  b.Add(
+      "actor.policy", a.policy,
+      "Who drives: learned (the policy that is learnt), a scripted driver (random, rdm, slow, predictive) or "
+      "a policy file, whose experience is learnt from");
   b.Add("actor.wait_for_policy", a.wait_for_policy,
         "Whether actors wait for the learner's first policy; false: they drive at random until it comes");
+  b.AddChoice("actor.keep", a.keep, {"all", "successes"},
+              "Whose frames are stored, by the episode's outcome");
   b.Add("actor.chunk_frames", a.chunk_frames, 1, 64, "Frames of one experience chunk");
   b.Add("actor.max_unacknowledged_bytes", a.max_unacknowledged_bytes, 1 << 16, kHuge,
         "Experience an actor keeps until the replay has stored it; then it waits");

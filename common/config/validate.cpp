@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "common/config/config_schema.h"
 #include "common/step/driving_shape.h"
+#include "common/util/shown.h"
 
 namespace dadrl {
 namespace {
@@ -77,6 +82,16 @@ Status CheckViews(const Config& config) {
         config.learner.threads, kMostThreads, config.algorithm.shift_pixels);
   }
   return {};
+}
+
+// Names that are no path; what a file holds is looked at by who reads it.
+Status CheckDriver(const std::string& policy) {
+  const std::vector<std::string> names = {"learned", "random", "rdm", "slow", "predictive"};
+  if (std::ranges::find(names, policy) != names.end()) return {};
+  if (policy.find_first_of("/.") != std::string::npos) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              "actor.policy: '{}' is neither the path of a policy file nor one of: {}; the nearest is '{}'",
+              Shown(policy), fmt::join(names, ", "), NearestName(policy, names));
 }
 
 // Whatever the algorithm: networks work on 16 rows at a time, and each thread on its share of them.
@@ -197,6 +212,7 @@ Status Validate(const Config& config) {
   DADRL_RETURN_IF_ERROR(CheckTask(config));
   DADRL_RETURN_IF_ERROR(CheckModel(config));
   DADRL_RETURN_IF_ERROR(CheckViews(config));
+  DADRL_RETURN_IF_ERROR(CheckDriver(config.actor.policy));
   DADRL_RETURN_IF_ERROR(CheckRows(config));
   DADRL_RETURN_IF_ERROR(CheckStore(config));
   DADRL_RETURN_IF_ERROR(CheckRates(config));

@@ -9,6 +9,12 @@ PolicyNetwork::PolicyNetwork(const DrivingShape& spec, const ModelConfig& model)
   head_range = {encoder_range.count, layout.size() - encoder_range.count};
 }
 
+ValueNetwork::ValueNetwork(const DrivingShape& spec, const ModelConfig& model)
+    : encoder(Encoder::Add(layout, "encoder", spec, model)) {
+  encoder_range = {0, layout.size()};
+  head = Mlp::Add(layout, "value", encoder.features(), model.hidden, 1, model.critic_layer_norm);
+}
+
 CriticNetwork::CriticNetwork(const DrivingShape& spec, const ModelConfig& model)
     : encoder(Encoder::Add(layout, "encoder", spec, model)) {
   encoder_range = {0, layout.size()};

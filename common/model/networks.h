@@ -1,4 +1,4 @@
-// The two networks of the system and their flat parameter layouts.
+// The networks of the system and their flat parameter layouts.
 #pragma once
 
 #include <span>
@@ -21,6 +21,16 @@ struct PolicyNetwork {
   Mlp head;  // features -> [mean 2, log_std 2]
   nn::Range encoder_range;
   nn::Range head_range;
+};
+
+// Observation to one value, the return to come: "encoder.*", then "value.*".
+struct ValueNetwork {
+  ValueNetwork(const DrivingShape& spec, const ModelConfig& model);
+
+  nn::ParamLayout layout;
+  Encoder encoder;
+  Mlp head;  // features -> 1
+  nn::Range encoder_range;
 };
 
 // Observation and action to two values: "encoder.*", "critic1.*", "critic2.*". Targets have the same layout.

@@ -27,6 +27,7 @@ const Entry* FindEntry(std::string_view name) {
 }  // namespace
 
 std::span<const float> PolicyModel::Details::Find(std::string_view name) const {
+  if (name == "log_probability" && log_probability) return {&*log_probability, 1};
   const auto found = std::ranges::find(numbers, name, &Numbers::name);
   return found == numbers.end() ? std::span<const float>() : found->values;
 }

@@ -49,7 +49,7 @@ class PolicyModel {
         log_probability;           // density of the sampled action in (-1, 1)^2, nats; none of the likeliest
     std::vector<Numbers> numbers;  // what else it says, the same names in the same order each time
 
-    // Empty when there are none of that name.
+    // Numbers, or the log-probability. Empty when there are none of that name.
     std::span<const float> Find(std::string_view name) const;
   };
   // Valid until the next Act.

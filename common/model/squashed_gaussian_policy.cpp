@@ -151,7 +151,9 @@ Action SquashedGaussianPolicy::Sample(Random& random) {
     const nn::SquashedSample sample =
         nn::SampleSquashed(stack_.result[i], stack_.result[kActionSize + i], random.Normal(), limits_);
     action[i] = sample.action;
-    log_probability += sample.log_probability;
+    // Of the action as it is stored, so that a learner that computes it anew comes to the same.
+    log_probability +=
+        nn::DensityOf(action[i], stack_.result[i], stack_.result[kActionSize + i], limits_).log_probability;
   }
   details_.log_probability = log_probability;
   return action;

@@ -30,6 +30,12 @@ StepSpec DrivingStepSpec(const DrivingShape& shape) {
   return spec;
 }
 
+StepSpec DrivingStepSpec(const Config& config) {
+  StepSpec spec = DrivingStepSpec(DrivingShape::From(config.observation));
+  if (config.model.log_probability) spec.decision.push_back({.name = "log_probability"});
+  return spec;
+}
+
 DrivingShape::operator StepSpec() const { return DrivingStepSpec(*this); }
 
 Result<DrivingShape> DrivingShape::Find(const StepSpec& spec) {

@@ -64,8 +64,7 @@ using Action = std::array<float, kActionSize>;
 
 // The steps of a driving run, one line a column. The action is the first decision column.
 StepSpec DrivingStepSpec(const DrivingShape& shape);
-inline StepSpec DrivingStepSpec(const Config& config) {
-  return DrivingStepSpec(DrivingShape::From(config.observation));
-}
+// With what the run records beside it.
+StepSpec DrivingStepSpec(const Config& config);
 
 }  // namespace dadrl

@@ -25,6 +25,11 @@ struct AlgorithmSpec {
   // False: version 1 is the policy of the first update, and actors drive at random until it arrives.
   bool acts_from_start = false;
   bool trains_scene = false;  // has a loss of its own on the scene encoder: needs model.scene
+  // It trains on each step once, and only on what its own policies of the last versions did: the replay is a
+  // queue (replay.max_times_sampled 1) that drops what is too stale (replay.max_staleness) and holds actors
+  // back in time (replay.min_samples_per_insert).
+  bool on_policy = false;
+  std::span<const std::string_view> decisions = {};  // decision columns that it reads beside the action
 };
 
 // A named span of the algorithm's state, saved and restored as raw bytes by the checkpoint.

@@ -12,6 +12,7 @@
 #include "common/util/shown.h"
 #include "learner/algorithms/bc/behaviour_cloning.h"
 #include "learner/algorithms/dt/decision_transformer_learner.h"
+#include "learner/algorithms/ppo/ppo.h"
 #include "learner/algorithms/sac.h"
 #include "learner/algorithms/slt/slt.h"
 #include "proto/payload_codec.h"
@@ -37,6 +38,9 @@ constexpr std::array kAlgorithms = {
         DecisionTransformerLearner::SpecOf, Make<DecisionTransformerLearner>},
     AlgorithmEntry{"mst", "Soft actor-critic on a scene encoder: attention over histories and lane polylines",
                    Sac::SpecOf, Make<Sac>},
+    AlgorithmEntry{"ppo",
+                   "Proximal policy optimisation: on policy, by rollouts that are trained on once, fresh",
+                   Ppo::SpecOf, Make<Ppo>},
     AlgorithmEntry{"sac", "Soft actor-critic on bird's-eye planes and raw vehicle rows, without attention",
                    Sac::SpecOf, Make<Sac>},
     AlgorithmEntry{"slt", "The same as mst, whose encoder also learns to predict what it will say next",
@@ -78,7 +82,7 @@ Status CheckBatch(const Config& config, const TrajectoryShape& batch) {
 
 // Actors that wait for a policy that only experience brings, and random experience where there must be none.
 Status CheckActors(const Config& config, const AlgorithmSpec& spec) {
-  if (spec.acts_from_start && config.actor.policy != ActorPolicy::kLearned) {
+  if (spec.acts_from_start && config.actor.policy != "learned") {
     return Fail(ErrorCode::kInvalidArgument,
                 "actor.policy: algorithm.name: {} learns from what its own policy does; set it to learned",
                 config.algorithm.name);
@@ -89,6 +93,50 @@ Status CheckActors(const Config& config, const AlgorithmSpec& spec) {
               "experience; set it to {}",
               config.actor.wait_for_policy, config.algorithm.name,
               spec.acts_from_start ? "before any" : "out of", spec.acts_from_start);
+}
+
+Status CheckDecisions(const Config& config, const AlgorithmSpec& spec) {
+  const StepSpec steps = StepSpecOf(config);
+  for (const std::string_view name : spec.decisions) {
+    if (std::ranges::find(steps.decision, name, &ColumnSpec::name) != steps.decision.end()) continue;
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "algorithm.name: {} reads the decision column {}, and this run records: {}; set model.{}=true",
+        config.algorithm.name, name, ColumnsText(steps.decision), name);
+  }
+  return {};
+}
+
+// What would let it train on anything else, with what it should be.
+Status CheckOnPolicy(const Config& config, const AlgorithmSpec& spec) {
+  if (!spec.on_policy) return {};
+  const ReplayConfig& replay = config.replay;
+  struct Need {
+    bool met;
+    std::string_view key;
+    std::string value;
+    std::string_view remedy;
+  };
+  const Need needs[] = {
+      {replay.max_times_sampled == 1, "replay.max_times_sampled", fmt::to_string(replay.max_times_sampled),
+       "1"},
+      {replay.max_staleness > 0, "replay.max_staleness", fmt::to_string(replay.max_staleness), "4"},
+      {replay.min_samples_per_insert > 0.0, "replay.min_samples_per_insert",
+       fmt::to_string(replay.min_samples_per_insert), "1, so that actors wait rather than go stale"},
+      {replay.sequence_length > 0, "replay.sequence_length", fmt::to_string(replay.sequence_length), "32"},
+      {replay.sequence_period == replay.sequence_length, "replay.sequence_period",
+       fmt::to_string(replay.sequence_period), "replay.sequence_length, so that no step is drawn twice"},
+      {config.algorithm.rollout >= replay.sequence_length, "algorithm.rollout",
+       fmt::to_string(config.algorithm.rollout), "at least replay.sequence_length"},
+  };
+  for (const Need& need : needs) {
+    if (need.met) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                "algorithm.name: {} trains on policy, and {}: {} is not for that; "
+                "set it to {}",
+                config.algorithm.name, need.key, need.value, need.remedy);
+  }
+  return {};
 }
 
 }  // namespace
@@ -107,7 +155,9 @@ Status CheckNeeds(const Config& config, const AlgorithmSpec& spec) {
   DADRL_RETURN_IF_ERROR(CheckEncoder(config, spec));
   DADRL_RETURN_IF_ERROR(CheckPriorities(config, spec));
   DADRL_RETURN_IF_ERROR(CheckBatch(config, spec.batch));
-  return CheckActors(config, spec);
+  DADRL_RETURN_IF_ERROR(CheckActors(config, spec));
+  DADRL_RETURN_IF_ERROR(CheckDecisions(config, spec));
+  return CheckOnPolicy(config, spec);
 }
 
 Status CheckTrainsPolicy(const Config& config, const NamedNetwork& trained) {

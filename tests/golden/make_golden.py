@@ -439,6 +439,106 @@ def write_updates(case, shared, network, layer_norm, epsilon, updates=3, extras=
         save(case + '/critic_first', flat([critic_adam.state[v]['exp_avg'] for v in critic.values()]))
 
 
+# --- PPO -------------------------------------------------------------------------------------------------------------
+
+# 4 trajectories of at most 4 steps: one terminates after 2, one is truncated after 3, the others go on.
+ROLLOUT, LENGTH, STEPS, TERMINATED = 4, 4, [4, 2, 3, 4], [False, True, False, False]
+
+
+def rollout_rows(values, salt):
+    """The first (LENGTH + 1) * ROLLOUT rows of two golden batches, time first."""
+    return tensor(np.concatenate([values(salt), values(salt + 1)])[:(LENGTH + 1) * ROLLOUT])
+
+
+def density(action, output, low=-5.0, high=2.0):
+    mean, log_std = output.chunk(2, -1)
+    log_std = log_std.clamp(low, high)
+    u = torch.atanh(action)
+    return (torch.distributions.Normal(mean, log_std.exp()).log_prob(u) - torch.log(1 - action ** 2)).sum(-1)
+
+
+def write_ppo(case, shared):
+    """One update of two epochs in minibatches of at most 8 of 13 steps; recorded log-probabilities are a little off, as
+    an older policy's are."""
+    hidden, features, gamma, decay, clip, entropy_weight, most = 32, HISTORY * (20 + VEHICLES * 7) + 128, 0.95, 0.9, 0.2, 0.02, 0.5
+    encoder = encoder_shapes(False, True)
+    policy = make_parameters(1, encoder + mlp_shapes('policy', features, hidden, 4))
+    value = make_parameters(2, encoder + mlp_shapes('value', features, hidden, 1))
+    is_encoder = lambda name: name.startswith('encoder.')
+    if shared:
+        policy = {name: value[name] if is_encoder(name) else v for name, v in policy.items()}
+    trained = [v for n, v in policy.items() if not (shared and is_encoder(n))]
+    settings = {'lr': 3e-4, 'eps': 1e-5}
+    policy_adam, value_adam = torch.optim.Adam(trained, **settings), torch.optim.Adam(value.values(), **settings)
+
+    vehicles, ego = rollout_rows(make_vehicles, 50), rollout_rows(make_ego, 60)
+    planes = torch.cat([unpack(make_planes(70)), unpack(make_planes(71))])[:(LENGTH + 1) * ROLLOUT]
+    action = tensor(uniform(200, (LENGTH, ROLLOUT, 2), 0.99)).reshape(-1, 2)
+    reward = tensor(uniform(201, (LENGTH, ROLLOUT), 2.0))
+    see = lambda rows: (vehicles[rows], ego[rows], planes[rows])
+
+    def outputs(rows):
+        state = encode(value, see(rows), False, True)
+        v = mlp(value, 'value', state, True)[:, 0]
+        seen = state.detach() if shared else encode(policy, see(rows), False, True)
+        return v, mlp(policy, 'policy', seen, False)
+
+    rows = [t * ROLLOUT + b for t in range(LENGTH) for b in range(ROLLOUT) if t < STEPS[b]]
+    with torch.no_grad():
+        values, output = outputs(range((LENGTH + 1) * ROLLOUT))
+        now = density(action, output[:LENGTH * ROLLOUT])
+    recorded = tensor((now.numpy() + uniform(202, (LENGTH * ROLLOUT,), 0.3)).astype(np.float32))
+    save(case + '/log_probability', recorded)
+    trace = (now - recorded).exp().clamp(max=1.0)
+    advantage, target = torch.zeros(LENGTH * ROLLOUT), torch.zeros(LENGTH * ROLLOUT)
+    for b in range(ROLLOUT):
+        # From the definition: a sum over the steps behind, each through the traces between.
+        for t in range(STEPS[b]):
+            factor, total = 1.0, 0.0
+            for k in range(t, STEPS[b]):
+                if k > t:
+                    factor = factor * gamma * decay * trace[k * ROLLOUT + b]
+                ends = k + 1 == STEPS[b] and TERMINATED[b]
+                after = 0.0 if ends else values[(k + 1) * ROLLOUT + b]
+                total = total + factor * (reward[k, b] + gamma * after - values[k * ROLLOUT + b])
+            advantage[t * ROLLOUT + b] = total
+            target[t * ROLLOUT + b] = values[t * ROLLOUT + b] + trace[t * ROLLOUT + b] * total
+    save(case + '/advantage', advantage)
+    save(case + '/value_target', target)
+    chosen = advantage[rows]
+    advantage[rows] = (chosen - chosen.mean()) / (chosen.std(unbiased=False) + 1e-8)
+
+    sums, count = np.zeros(5), 0
+    for epoch in range(2):
+        order = np.argsort(uniform(210 + epoch, (len(rows),)), kind='stable')
+        noise = tensor(uniform(220 + epoch, (len(rows), 2), 2.0))
+        for first, end in ((0, len(rows) // 2), (len(rows) // 2, len(rows))):
+            batch = [rows[place] for place in order[first:end]]
+            v, output = outputs(batch)
+            log_ratio = density(action[batch], output) - recorded[batch]
+            ratio = log_ratio.exp()
+            _, anew = sample(output, noise[first:end])
+            surrogate = torch.min(ratio * advantage[batch], ratio.clamp(1 - clip, 1 + clip) * advantage[batch])
+            policy_loss = (-surrogate + entropy_weight * anew).mean()
+            value_loss = ((v - target[batch]) ** 2).mean()
+            policy_adam.zero_grad(set_to_none=True)
+            value_adam.zero_grad(set_to_none=True)
+            (policy_loss + value_loss).backward()
+            torch.nn.utils.clip_grad_norm_(trained, most)
+            torch.nn.utils.clip_grad_norm_(value.values(), most)
+            policy_adam.step()
+            value_adam.step()
+            sums += len(batch) * np.array([policy_loss.item(), value_loss.item(), -anew.mean().item(),
+                                           (ratio - 1 - log_ratio).mean().item(),
+                                           ((ratio < 1 - clip) | (ratio > 1 + clip)).double().mean().item()])
+            count += len(batch)
+    error = (target - values[:LENGTH * ROLLOUT])[rows]
+    explained = 1 - error.var(unbiased=False) / target[rows].var(unbiased=False)
+    save(case + '/scalars', list(sums / count) + [values[rows].mean().item(), target[rows].mean().item(), explained.item()])
+    save(case + '/policy', flat(trained))
+    save(case + '/value', flat(value.values()))
+
+
 if __name__ == '__main__':
     write_inputs()
     write_layers()
@@ -451,3 +551,5 @@ if __name__ == '__main__':
     write_updates('update_default_epsilon', False, PaperEncoder(False), True, 1e-8, updates=1, extras=('moments',))
     write_updates('update_drq_separate', False, PaperEncoder(True, stae=False), True, 1e-5, extras=('parameters', 'target'), pixels=2)
     write_updates('update_drq_shared', True, PaperEncoder(True, stae=False), False, 1e-5, extras=('parameters', 'target'), pixels=2)
+    write_ppo('ppo_separate', False)
+    write_ppo('ppo_shared', True)

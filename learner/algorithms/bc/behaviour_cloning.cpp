@@ -20,15 +20,7 @@ int Blocks(int samples) { return (samples + kLanes - 1) / kLanes; }
 
 BehaviourCloning::Share::Share(nn::Arena& arena, const PolicyNetwork& network, int blocks)
     : observations(arena, network.encoder.spec, blocks),
-      encoder(arena, network.encoder, blocks, true),
-      encoder_scratch(arena, network.encoder, blocks),
-      head(arena, network.head, blocks),
-      head_scratch(arena, network.head, blocks),
-      features(nn::TakeLanes(arena, network.encoder.features(), blocks)),
-      feature_gradient(nn::TakeLanes(arena, network.encoder.features(), blocks)),
-      output(nn::TakeLanes(arena, 2 * kActionSize, blocks)),
-      output_gradient(nn::TakeLanes(arena, 2 * kActionSize, blocks)),
-      gradient(arena.Allocate(network.layout.size())) {}
+      pass(arena, network.encoder, network.head, network.layout.size(), blocks) {}
 
 std::vector<BehaviourCloning::Share> BehaviourCloning::MakeShares(nn::Arena& arena,
                                                                   const PolicyNetwork& network, int batch,
@@ -58,7 +50,7 @@ BehaviourCloning::BehaviourCloning(const Config& config)
       shares_(MakeShares(arena_, network_, config.algorithm.batch_size, config.learner.threads)),
       team_(config.learner.threads) {
   network_.layout.Initialize(DeriveSeed(config.seed, 1), parameters_.span());
-  for (Share& share : shares_) gradients_.push_back(share.gradient);
+  for (Share& share : shares_) gradients_.push_back(share.pass.gradient);
 }
 
 std::vector<NamedNetwork> BehaviourCloning::networks() const {
@@ -125,27 +117,21 @@ void BehaviourCloning::UpdateShare(const TrajectoryBatch& batch, const uint8_t* 
 void BehaviourCloning::Backpropagate(Share& share, std::span<const float> actions, int batch_size) {
   const float* parameters = parameters_.data();
   const int blocks = share.observations.blocks;
-  EncoderForward(kernels_, network_.encoder, parameters, share.observations, share.encoder, share.features);
-  MlpForward(kernels_, network_.head, parameters, share.features, blocks, share.head, share.output);
+  const NetworkPass& pass = share.pass;
+  ForwardPass(kernels_, network_.encoder, network_.head, parameters, share.observations, pass);
   for (int b = 0; b < blocks; ++b) {
-    std::memset(share.output_gradient.block(b), 0, sizeof(float) * 2 * kActionSize * kLanes);
+    std::memset(pass.output_gradient.block(b), 0, sizeof(float) * 2 * kActionSize * kLanes);
   }
   for (int i = 0; i < share.samples; ++i) {
     for (int d = 0; d < kActionSize; ++d) {
       const int at = d * kLanes + i % kLanes;
-      const float action = std::tanh(share.output.block(i / kLanes)[at]);
+      const float action = std::tanh(pass.output.block(i / kLanes)[at]);
       const float error = action - actions[static_cast<size_t>((share.first + i) * kActionSize + d)];
       share.loss += double{error} * double{error};
-      share.output_gradient.block(i / kLanes)[at] = 2.0f * error * (1.0f - action * action) / batch_size;
+      pass.output_gradient.block(i / kLanes)[at] = 2.0f * error * (1.0f - action * action) / batch_size;
     }
   }
-  MlpBackward(kernels_, network_.head, parameters, share.features, blocks, share.head, share.output_gradient,
-              {.parameters = share.gradient,
-               .input = share.feature_gradient,
-               .input_count = network_.encoder.features()},
-              share.head_scratch);
-  EncoderBackward(kernels_, network_.encoder, parameters, share.gradient, share.observations, share.encoder,
-                  share.features, share.feature_gradient, share.encoder_scratch);
+  BackwardPass(kernels_, network_.encoder, network_.head, parameters, share.observations, pass);
 }
 
 double BehaviourCloning::TotalLoss() const {

@@ -8,6 +8,7 @@
 #include "common/nn/adam.h"
 #include "common/nn/thread_team.h"
 #include "learner/algorithms/algorithm.h"
+#include "learner/algorithms/network_pass.h"
 
 namespace dadrl {
 
@@ -35,14 +36,8 @@ class BehaviourCloning final : public Algorithm {
     int first = 0;    // sample of the batch
     int samples = 0;  // the rest of the last block is padding
     LaneObservations observations;
-    EncoderActivations encoder;
-    EncoderScratch encoder_scratch;
-    MlpActivations head;
-    MlpScratch head_scratch;
-    nn::LaneSpan features, feature_gradient;  // [blocks][features][16]
-    nn::LaneSpan output, output_gradient;     // [blocks][4][16]
-    float* gradient = nullptr;                // of the layout
-    double loss = 0.0;                        // summed over the samples
+    NetworkPass pass;
+    double loss = 0.0;  // summed over the samples
     bool finite = true;
   };
   static std::vector<Share> MakeShares(nn::Arena& arena, const PolicyNetwork& network, int batch,

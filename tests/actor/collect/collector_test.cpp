@@ -22,6 +22,7 @@ class ScriptedEnvironment final : public Environment {
 
   int decisions = 3;       // of an episode
   bool terminates = true;  // else it is truncated
+  Outcome end = Outcome::kSuccess;
   std::function<Status()> on_reset;
   std::function<Status()> on_step;
   std::vector<uint64_t> seeds;
@@ -40,7 +41,7 @@ class ScriptedEnvironment final : public Environment {
     const bool last = step_ == decisions;
     summary_.seed = seeds.back();
     summary_.steps = 3 * step_ - 1;  // the last decision was cut short
-    summary_.outcome = terminates ? Outcome::kSuccess : Outcome::kStagnation;
+    summary_.outcome = terminates ? end : Outcome::kStagnation;
     return StepResult{.reward = 10.0f * static_cast<float>(step_),
                       .terminated = last && terminates,
                       .truncated = last && !terminates};
@@ -61,8 +62,11 @@ class RecordingSink final : public ExperienceSink {
   std::function<bool()> is_blocked = [] { return false; };
 
   void BeginEpisode(uint64_t episode) override { lines.push_back(fmt::format("begin {}", episode)); }
-  void AddTransition(const Observation& observation, std::span<const float>, float reward, uint8_t flags,
-                     uint32_t policy_version) override {
+  std::vector<std::vector<float>> decisions;
+
+  void AddTransition(const Observation& observation, std::span<const float> decision, float reward,
+                     uint8_t flags, uint32_t policy_version) override {
+    decisions.emplace_back(decision.begin(), decision.end());
     lines.push_back(fmt::format("{} r{} f{} v{}", EgoOf(observation)[0], reward, flags, policy_version));
   }
   void AddFinal(const Observation& observation) override {
@@ -118,7 +122,7 @@ TEST_F(CollectorTest, GivesEachFrameTheActionTakenOnIt) {
   Collector collector = Make();
   const auto episode = collector.RunEpisode().value();
   ASSERT_TRUE(episode);
-  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f2 v0", "end"));
+  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f10 v0", "end"));
   EXPECT_EQ(episode->episode, 1);
   EXPECT_EQ(episode->summary.seed, environment_.seeds[0]);
 }
@@ -139,6 +143,30 @@ TEST_F(CollectorTest, AddsTheObservationAfterATruncation) {
   EXPECT_EQ(collector.progress().outcomes[static_cast<size_t>(Outcome::kStagnation)], 1);
 }
 
+TEST_F(CollectorTest, MarksASuccessAndNoOtherEnd) {
+  environment_.end = Outcome::kCollision;
+  Collector collector = Make();
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_EQ(sink_.lines.at(3), "2 r30 f2 v0");
+  environment_.end = Outcome::kSuccess;
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_EQ(sink_.lines.at(8), "2 r30 f10 v0");
+}
+
+TEST_F(CollectorTest, RecordsBesideTheActionWhatTheRunAsksFor) {
+  config_.model.log_probability = true;
+  Collector collector = Make();
+  ASSERT_TRUE(collector.RunEpisode().value());
+  for (const std::vector<float>& decision : sink_.decisions) {
+    ASSERT_EQ(decision.size(), 3u);
+    EXPECT_EQ(decision[2], 0.0f) << "random actions are held: they have no density";
+  }
+  PublishPolicy(1);
+  ASSERT_TRUE(collector.RunEpisode().value());
+  EXPECT_EQ(sink_.decisions.back()[2], *policy_->last().log_probability);
+  EXPECT_EQ(sink_.decisions.back()[0], environment_.actions.back()[0]);
+}
+
 TEST_F(CollectorTest, CountsSimulationStepsExactly) {
   Collector collector = Make();
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(collector.RunEpisode().value());
@@ -154,7 +182,7 @@ TEST_F(CollectorTest, TakesANewPolicyInTheMiddleOfAnEpisode) {
   };
   Collector collector = Make();
   const auto episode = collector.RunEpisode().value();
-  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f2 v5", "end"));
+  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f10 v5", "end"));
   EXPECT_EQ(episode->policy_version, 5);
   EXPECT_EQ(collector.progress().policy_version, 5);
 }
@@ -173,7 +201,7 @@ TEST_F(CollectorTest, WaitsForTheFirstPolicyWhereNothingButItsExperienceCounts) 
   const auto episode = collector.RunEpisode().value();
   ASSERT_TRUE(episode);
   EXPECT_EQ(episode->episode, 1u);
-  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v3", "1 r20 f0 v3", "2 r30 f2 v3", "end"));
+  EXPECT_THAT(sink_.lines, ElementsAre("begin 1", "0 r10 f0 v3", "1 r20 f0 v3", "2 r30 f10 v3", "end"));
 }
 
 TEST_F(CollectorTest, StopsWaitingForAPolicy) {
@@ -255,7 +283,7 @@ TEST_F(CollectorTest, KeepsItsPolicyWhenTheNextIsNotFinite) {
   ASSERT_TRUE(collector.RunEpisode().value());
   EXPECT_EQ(collector.progress().policy_version, 1);
   EXPECT_EQ(collector.progress().refused_policies, 1);
-  EXPECT_EQ(sink_.lines.at(8), "2 r30 f2 v1");
+  EXPECT_EQ(sink_.lines.at(8), "2 r30 f10 v1");
   PublishPolicy(3);
   ASSERT_TRUE(collector.RunEpisode().value());
   EXPECT_EQ(collector.progress().policy_version, 3);
@@ -304,7 +332,7 @@ TEST_F(CollectorTest, TriesOtherTrafficWhereTheEgoHasNoRoom) {
   EXPECT_FALSE(collector.RunEpisode().value());
   EXPECT_TRUE(collector.RunEpisode().value());
   EXPECT_EQ(collector.progress().simulator_failures, 0);
-  EXPECT_THAT(sink_.lines, ElementsAre("begin 3", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f2 v0", "end"));
+  EXPECT_THAT(sink_.lines, ElementsAre("begin 3", "0 r10 f0 v0", "1 r20 f0 v0", "2 r30 f10 v0", "end"));
 }
 
 TEST_F(CollectorTest, GivesUpOnASimulatorThatAlwaysFails) {

@@ -29,7 +29,7 @@ TEST(ScriptedDriver, IsNoneForTheLearnersPolicy) {
 // Held for a decision of three steps, what it predicts must not depend on how often it is asked.
 TEST(ScriptedDriver, ThePredictiveOneDrivesDecisionsAsItDrivesSteps) {
   Config config;
-  config.actor.policy = ActorPolicy::kPredictive;
+  config.actor.policy = "predictive";
   const auto environment = MakeDrivingEnvironment(config).value();
   const auto driver = ScriptedDriver::Make(config).value();
   int goals = 0;
@@ -47,7 +47,7 @@ TEST(ScriptedDriver, ThePredictiveOneDrivesDecisionsAsItDrivesSteps) {
 TEST(ScriptedDriver, AllScenariosAreDrivenToo) {
   Config config;
   config.scenario = "all";
-  config.actor.policy = ActorPolicy::kRdm;
+  config.actor.policy = "rdm";
   const auto environment = MakeDrivingEnvironment(config).value();
   const auto driver = ScriptedDriver::Make(config).value();
   for (uint64_t seed = 1; seed <= 3; ++seed) {

@@ -53,6 +53,13 @@ TEST(Validate, RefusesWhatCannotWork) {
        "algorithm.shift_pixels: 2 shifts bird's-eye planes, and model.context: false has none"},
       {{"algorithm.shift_pixels=2", "learner.threads=129", "algorithm.batch_size=4096"},
        "learner.threads: 129 is more than the 128"},
+      {{"actor.policy=randon"},
+       "'randon' is neither the path of a policy file nor one of: learned, random, rdm, slow, predictive; "
+       "the nearest is 'random'"},
+      {{"actor.policy=idm"}, "neither the path of a policy file"},
+      {{"actor.keep=some"}, "not one of: all, successes"},
+      {{"algorithm.gae_lambda=1.5"}, "between 0 and 1"},
+      {{"algorithm.clip_ratio=0"}, "with 0 no update would change anything"},
       {{"learner.max_cpu_seconds=-1"}, "between 0 and 1e+09"},
       {{"task.reward.crash=0", "task.reward.off_road=0", "task.reward.goal=0", "task.reward.progress=0",
         "task.reward.speed=0", "task.reward.off_route=0", "task.reward.wrong_way=0", "task.reward.slow=0"},

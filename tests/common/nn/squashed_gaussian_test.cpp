@@ -48,6 +48,38 @@ TEST(SquashedGaussianTest, GradientsAgreeWithFiniteDifferences) {
   }
 }
 
+TEST(SquashedGaussianTest, DensityOfADrawIsThatOfTheDraw) {
+  for (const double noise : {-2.0, 0.0, 1.5}) {
+    const SquashedSample sample = SampleSquashed(0.4, -0.5, noise, kLimits);
+    EXPECT_NEAR(DensityOf(sample.action, 0.4, -0.5, kLimits).log_probability, sample.log_probability, 1e-9);
+  }
+}
+
+TEST(SquashedGaussianTest, GradientsOfADensityAgreeWithFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  for (const double action : {-0.9, 0.0, 0.3}) {
+    for (const double mean : {-1.5, 0.2}) {
+      for (const double log_std : {-1.0, 0.5}) {
+        const auto density = [&](double m, double s) {
+          return DensityOf(action, m, s, kLimits).log_probability;
+        };
+        const SquashedDensity exact = DensityOf(action, mean, log_std, kLimits);
+        EXPECT_NEAR(exact.mean_gradient,
+                    (density(mean + kStep, log_std) - density(mean - kStep, log_std)) / (2 * kStep), 1e-6);
+        EXPECT_NEAR(exact.log_std_gradient,
+                    (density(mean, log_std + kStep) - density(mean, log_std - kStep)) / (2 * kStep), 1e-6);
+      }
+    }
+  }
+  EXPECT_EQ(DensityOf(0.1, 0.0, 3.0, kLimits).log_std_gradient, 0.0) << "beyond the limits";
+}
+
+TEST(SquashedGaussianTest, DensityOfAnActionThatWasRoundedToItsBoundIsFinite) {
+  for (const double action : {-1.0, 1.0}) {
+    EXPECT_TRUE(std::isfinite(DensityOf(action, 0.0, 0.0, kLimits).log_probability));
+  }
+}
+
 TEST(SquashedGaussianTest, NoGradientBeyondTheLimits) {
   const SquashedSample sample = SampleSquashed(0.0, 3.0, 0.5, kLimits);
   EXPECT_TRUE(sample.clamped);

@@ -18,9 +18,15 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+// Its preset, made small.
 Config Small(std::string_view name) {
   Config config;
   config.algorithm.name = name;
+  const auto preset = std::filesystem::path(DADRL_SOURCE_DIR) / "deploy/config/algorithms" /
+                      (std::string(name) + ".yaml");
+  if (std::filesystem::exists(preset)) {
+    EXPECT_TRUE(LoadYaml(preset, config)) << name;
+  }
   config.algorithm.batch_size = 16;
   config.model.hidden = 16;
   return config;
@@ -38,6 +44,7 @@ TEST(Registry, EachAlgorithmIsMadeAndDeclaresWhatItsEntrySays) {
     EXPECT_EQ(declared.scalars.data(), said.scalars.data()) << entry.name;
     EXPECT_EQ(declared.gives_priorities, said.gives_priorities) << entry.name;
     EXPECT_EQ(declared.acts_from_start, said.acts_from_start) << entry.name;
+    EXPECT_EQ(declared.on_policy, said.on_policy) << entry.name;
     EXPECT_EQ((*algorithm)->scalars().size(), said.scalars.size()) << entry.name;
     EXPECT_FALSE(entry.description.empty());
   }
@@ -89,7 +96,7 @@ TEST(Registry, ActorsWaitForAPolicyExactlyWhereItComesBeforeExperience) {
   EXPECT_TRUE(CheckNeeds(config, on_policy));
   EXPECT_THAT(CheckNeeds(config, {}).error().message,
               AllOf(HasSubstr("actor.wait_for_policy: true"), HasSubstr("set it to false")));
-  config.actor.policy = ActorPolicy::kPredictive;
+  config.actor.policy = "predictive";
   EXPECT_THAT(CheckNeeds(config, on_policy).error().message,
               AllOf(HasSubstr("actor.policy"), HasSubstr("set it to learned")));
 }
@@ -117,6 +124,31 @@ TEST(Registry, AnAlgorithmTrainsTheNetworkThatActs) {
   EXPECT_THAT(refused.error().message,
               AllOf(HasSubstr("algorithm.name: sac trains a network of 200 parameters (layout 0xfa4e)"),
                     HasSubstr("model.policy: squashed_gaussian acts with one of ")));
+}
+
+TEST(Registry, OnPolicyEveryKeyThatWouldLetItTrainOnAnythingElseIsRefused) {
+  struct Case {
+    std::string set, says;
+  };
+  const std::vector<Case> cases = {
+      {"model.log_probability=false", "reads the decision column log_probability"},
+      {"actor.policy=rdm", "set it to learned"},
+      {"actor.wait_for_policy=false", "set it to true"},
+      {"replay.max_times_sampled=2", "replay.max_times_sampled: 2 is not for that; set it to 1"},
+      {"replay.max_staleness=0", "replay.max_staleness: 0"},
+      {"replay.min_samples_per_insert=0", "actors wait rather than go stale"},
+      {"replay.sequence_length=0", "replay.sequence_length: 0"},
+      {"replay.sequence_period=1", "no step is drawn twice"},
+      {"algorithm.rollout=16", "at least replay.sequence_length"}};
+  for (const Case& c : cases) {
+    Config config = Small("ppo");
+    ASSERT_TRUE(MakeAlgorithm(config));
+    ASSERT_TRUE(ApplyOverride(c.set, config));
+    const auto made = MakeAlgorithm(config);
+    ASSERT_FALSE(made) << c.set;
+    EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(made.error().message, HasSubstr(c.says));
+  }
 }
 
 }  // namespace
