@@ -11,6 +11,7 @@
 #include "actor/collect/wait_notice.h"
 #include "actor/environment.h"
 #include "actor/experience/experience_writer.h"
+#include "actor/experience/kept_episodes.h"
 #include "actor/experience/lease_holder.h"
 #include "actor/experience/weights_subscriber.h"
 #include "common/dds/cluster_key.h"
@@ -65,6 +66,7 @@ class Actor {
   std::unique_ptr<LeaseHolder> lease_;  // outlives the writer, which shows it
   LeaseHolder::Lease identity_;
   std::unique_ptr<ExperienceWriter> writer_;
+  std::unique_ptr<ExperienceSink> kept_;  // before the writer, if not every episode is stored
   std::unique_ptr<WeightsSubscriber> weights_;
   std::unique_ptr<ActorEpisodeLog> log_;
   std::unique_ptr<ScriptedDriver> driver_;  // if not the learner's policy
@@ -116,12 +118,13 @@ Status Actor::Connect() {
   DADRL_ASSIGN_OR_RETURN(writer_, ExperienceWriter::Create(*node_, config, identity_.number,
                                                            identity_.incarnation, clock_, lease_.get()));
   writer_->Start();
+  kept_ = MakeKeptEpisodes(config.actor, *writer_);
   const nn::ParamLayout& layout = policy_->layout();
   DADRL_ASSIGN_OR_RETURN(weights_, WeightsSubscriber::Create(*node_, layout.size(), layout.hash()));
   DADRL_ASSIGN_OR_RETURN(driver_, ScriptedDriver::Make(config));
   collector_ = std::make_unique<Collector>(config,
                                            Collector::Parts{.environment = *environment_,
-                                                            .sink = *writer_,
+                                                            .sink = kept_ ? *kept_ : *writer_,
                                                             .policies = *weights_,
                                                             .policy = *policy_,
                                                             .ledger = ledger_,

@@ -18,6 +18,7 @@ struct Command {
 };
 
 Command MakeTrainCommand(CLI::App& dadrl);
+Command MakeCollectCommand(CLI::App& dadrl);
 Command MakeEvaluateCommand(CLI::App& dadrl);
 Command MakeSelectCommand(CLI::App& dadrl);
 Command MakeRenderCommand(CLI::App& dadrl);

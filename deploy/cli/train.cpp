@@ -13,6 +13,7 @@
 #include "deploy/local/cluster_address.h"
 #include "deploy/local/cluster_port.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/experience_copy.h"
 #include "deploy/local/resume_rules.h"
 #include "deploy/local/training_run.h"
 #include "deploy/monitor/bottleneck.h"
@@ -31,6 +32,7 @@ struct TrainOptions {
   bool resume = false;
   bool deterministic = false;
   std::string run_dir;
+  std::string experience;
 
   fs::path ResumedDirectory() const { return run_dir.empty() ? fs::path("runs/latest") : fs::path(run_dir); }
 };
@@ -76,6 +78,12 @@ Result<int> RunInLockstep(const TrainOptions& options) {
         ErrorCode::kInvalidArgument,
         "--deterministic with --resume: a lockstep training runs in one piece; leave one of them out");
   }
+  if (!options.experience.empty()) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "--deterministic with --experience: a lockstep training begins with an empty replay; leave one "
+        "of them out");
+  }
   DADRL_ASSIGN_OR_RETURN(const Config config, EffectiveConfig(options, std::nullopt));
   DADRL_ASSIGN_OR_RETURN(const fs::path program, FindExecutable("dadrl-lockstep"));
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
@@ -109,6 +117,9 @@ Result<int> RunTrain(const TrainOptions& options) {
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
   if (!directory) {
     DADRL_ASSIGN_OR_RETURN(directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
+    if (!options.experience.empty()) {
+      DADRL_RETURN_IF_ERROR(CopyExperience(options.experience, directory->paths(), config));
+    }
   }
   DADRL_RETURN_IF_ERROR(directory->SaveConfig(config));
   DADRL_RETURN_IF_ERROR(EnsureRunKey(directory->paths().root));
@@ -138,6 +149,12 @@ Command MakeTrainCommand(CLI::App& dadrl) {
   app->add_flag("--resume", options->resume, "Go on with the run in --run-dir (default: runs/latest)");
   app->add_flag("--deterministic", options->deterministic,
                 "One process, all roles in turns: same seed, same weights (a minute is 1,200 updates)");
+  app->add_option(
+         "--experience", options->experience,
+         "Begin with a copy of what this collection (dadrl collect) or run has stored; with --actors "
+         "0 that is all there is to learn from")
+      ->type_name("DIR")
+      ->excludes("--resume");
   app->add_option("--run-dir", options->run_dir, "Where the run lives (default: runs/SCENARIO-TIME)")
       ->type_name("DIR");
   options->config.AddTo(*app);

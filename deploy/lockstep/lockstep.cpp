@@ -8,6 +8,7 @@
 #include "actor/collect/collector.h"
 #include "actor/collect/scripted_driver.h"
 #include "actor/environment.h"
+#include "actor/experience/kept_episodes.h"
 #include "common/io/checksum.h"
 #include "common/model/policy_model.h"
 #include "common/step/step_spec_of.h"
@@ -38,11 +39,11 @@ Status CheckEnds(const Config& config) {
                 "set it to 0, and learner.max_updates instead",
                 config.learner.max_cpu_seconds);
   }
-  if (config.replay.samples_per_insert == 0.0) {
+  if (config.replay.samples_per_insert == 0.0 && config.replay.max_times_sampled == 0) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "replay.samples_per_insert: 0 leaves open how many updates follow an episode; a deterministic "
-        "training needs it above 0");
+        "training needs it, or replay.max_times_sampled, above 0");
   }
   return {};
 }
@@ -86,6 +87,7 @@ class Lockstep {
         driving_(std::move(driving)),
         algorithm_(std::move(algorithm)),
         cluster_(std::move(cluster)),
+        kept_(MakeKeptEpisodes(config.actor, cluster_->experience())),
         turns_(clock_, *cluster_),
         checkpoints_(std::move(store), clock_),
         trainer_(config,
@@ -93,7 +95,7 @@ class Lockstep {
                  progress),
         collector_(config,
                    {.environment = *driving_.environment,
-                    .sink = cluster_->experience(),
+                    .sink = kept_ ? *kept_ : cluster_->experience(),
                     .policies = cluster_->policies(),
                     .policy = *driving_.policy,
                     .ledger = ledger_,
@@ -145,6 +147,7 @@ class Lockstep {
   Driving driving_;
   std::unique_ptr<Algorithm> algorithm_;
   std::unique_ptr<MemoryCluster> cluster_;
+  const std::unique_ptr<ExperienceSink> kept_;  // before the cluster, if not every episode is stored
   Turns turns_;
   CheckpointWriter checkpoints_;
   Trainer trainer_;

@@ -6,7 +6,9 @@
 
 #include <filesystem>
 
+#include "common/config/config_yaml.h"
 #include "tests/common/io/temporary_folder.h"
+#include "tests/paths.h"
 
 namespace dadrl {
 namespace {
@@ -89,6 +91,23 @@ TEST(Lockstep, OtherNetworksRepeatTheirWeightsToo) {
     EXPECT_EQ(first->updates, 5u) << config.algorithm.name;
     EXPECT_EQ(first->policy_hash, second->policy_hash) << config.algorithm.name;
   }
+}
+
+// Rollouts come when they are complete, and the first policy before any.
+TEST(Lockstep, TrainsOnPolicyToo) {
+  Config config = TinyTraining(5);
+  ASSERT_TRUE(LoadYaml(DADRL_SOURCE_DIR "/deploy/config/algorithms/ppo.yaml", config));
+  config.algorithm.name = "ppo";
+  config.algorithm.rollout = 64;
+  config.algorithm.epochs = 2;
+  config.replay.sequence_length = 8;
+  config.replay.sequence_period = 8;
+  config.learner.max_updates = 5;
+  const auto first = TrainInChild(config, TemporaryFolder().path());
+  const auto second = TrainInChild(config, TemporaryFolder().path());
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->updates, 5u);
+  EXPECT_EQ(first->policy_hash, second->policy_hash);
 }
 
 TEST(Lockstep, RefusesATrainingWithoutAnEnd) {
