@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "actor/mixed_environment.h"
-#include "actor/sim/scenario.h"
 #include "common/config/config_schema.h"
 #include "common/liveness/working_thread.h"
 
@@ -23,7 +22,7 @@ Result<std::unique_ptr<Environment>> MakeDrivingEnvironment(const Config& config
 
 Result<std::unique_ptr<DrivingEnvironment>> DrivingEnvironment::Create(const Config& config,
                                                                        const EnvironmentOptions& options) {
-  DADRL_ASSIGN_OR_RETURN(const Scenario scenario, LoadScenario(config.scenario));
+  DADRL_ASSIGN_OR_RETURN(const Scenario scenario, LoadScenario(config.scenario, options.scenarios));
   SimulationOptions simulation_options;
   simulation_options.profile = config.traffic.profile;
   simulation_options.max_speed_mps = config.task.max_speed_mps;

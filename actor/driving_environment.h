@@ -1,6 +1,7 @@
 // The driving task on SUMO: simulation, ego, senses and judge put together.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "actor/drive_command.h"
@@ -8,6 +9,7 @@
 #include "actor/ego/ego_vehicle.h"
 #include "actor/environment.h"
 #include "actor/sensing/sensor.h"
+#include "actor/sim/scenario.h"
 #include "actor/sim/simulation.h"
 #include "actor/task/driving_task.h"
 
@@ -17,6 +19,7 @@ namespace dadrl {
 struct EnvironmentOptions {
   EgoDriver driver = EgoDriver::kCaller;  // kSumo: commands are ignored, SUMO's own driver takes the ego
   double sumo_driver_impatience = 0.0;    // in [0, 1]
+  std::filesystem::path scenarios = ScenarioDirectory();
 };
 
 // The Environment of environment.h, and beside it what scripted policies and pictures need: raw commands and
@@ -41,6 +44,7 @@ class DrivingEnvironment final : public Environment {
   const Config& config() const { return config_; }
   const RoadMap& map() const { return simulation_->map(); }
   const Route& route() const { return simulation_->route(); }
+  bool network_is_cut() const { return simulation_->network_is_cut(); }
   bool sumo_drives() const { return options_.driver == EgoDriver::kSumo; }
   const EgoController& controller() const { return controller_; }
   const EgoVehicle& vehicle() const { return vehicle_; }

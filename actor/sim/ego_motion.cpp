@@ -1,5 +1,7 @@
 #include "actor/sim/ego_motion.h"
 
+#include <cmath>
+
 namespace dadrl {
 namespace {
 
@@ -21,6 +23,11 @@ void CompleteMotion(const EgoState& before, EgoState& now) {
   now.jerk_lat = kPerSecond * (now.acceleration_lat - before.acceleration_lat);
   now.yaw_rate = kPerSecond * WrapAngle(now.pose.heading - before.pose.heading);
   now.angular_acceleration = kPerSecond * (now.yaw_rate - before.yaw_rate);
+}
+
+bool IsFinite(const EgoState& ego) {
+  return std::isfinite(ego.pose.position.x) && std::isfinite(ego.pose.position.y) &&
+         std::isfinite(ego.pose.heading) && std::isfinite(ego.speed_mps);
 }
 
 }  // namespace dadrl

@@ -10,4 +10,7 @@ namespace dadrl {
 // (a steady turn has a lateral acceleration), seen in its current frame; jerks are their change per second.
 void CompleteMotion(const EgoState& before, EgoState& now);
 
+// Whether pose and speed are numbers.
+bool IsFinite(const EgoState& ego);
+
 }  // namespace dadrl

@@ -1,5 +1,7 @@
 #include "actor/sim/route.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <numbers>
 
@@ -56,8 +58,12 @@ Result<std::vector<int>> ConnectLanes(const RoadMap& map, const std::vector<std:
       const auto ways = map.CrossingsFrom(lanes.back());
       const auto way = std::ranges::find_if(ways, [&](const auto& it) { return it.back() == lane; });
       if (way == ways.end()) {
-        return Fail(ErrorCode::kInvalidArgument, "no connection leads from lane '{}' to lane '{}'",
-                    map.lane(lanes.back()).id, id);
+        std::vector<std::string> reached;
+        for (const std::vector<int>& it : ways) reached.push_back(map.lane(it.back()).id);
+        return Fail(ErrorCode::kInvalidArgument,
+                    "no connection leads from lane '{}' to lane '{}'; it leads to: {}",
+                    map.lane(lanes.back()).id, id,
+                    reached.empty() ? "none" : fmt::format("{}", fmt::join(reached, ", ")));
       }
       lanes.insert(lanes.end(), way->begin(), way->end() - 1);
     }

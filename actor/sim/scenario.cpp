@@ -122,6 +122,7 @@ TrafficFlow ReadFlow(const YamlNode& node, size_t index) {
   const Section section(node, fmt::format("traffic.flows[{}]", index),
                         {"edges", "depart_lane", "arrival_lane", "depart", "arrival"});
   TrafficFlow flow;
+  flow.line = node.line;
   flow.edges = section.Names("edges");
   if (section.Has("depart_lane")) flow.depart_lane = section.Whole("depart_lane", 0, 63);
   if (section.Has("arrival_lane")) flow.arrival_lane = section.Whole("arrival_lane", 0, 63);
@@ -201,6 +202,7 @@ Scenario ReadScenario(const YamlNode& root, const fs::path& folder, std::string&
   if (top.Has("network")) network = FolderName(top.Get("network"));
   scenario.warm_up_s = top.Number("warm_up_s", 0, 3600);
   const Section ego(top.Get("ego"), "ego", {"lanes", "start_offset_m"});
+  scenario.ego_line = ego.Get("lanes").line;
   scenario.ego_lanes = ego.Names("lanes");
   scenario.ego_start_offset_m = ego.Number("start_offset_m", 0, 1e6);
   const Section traffic(top.Get("traffic"), "traffic", {"driver_types", "flows"});
@@ -237,6 +239,13 @@ std::vector<std::string> ScenarioNames(const fs::path& directory) {
   return names;
 }
 
+ScenarioPlace PlaceOf(const fs::path& folder) {
+  std::error_code error;
+  fs::path whole = fs::absolute(folder, error).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  return {whole.filename().string(), whole.parent_path()};
+}
+
 Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) {
   const std::vector<std::string> names = ScenarioNames(directory);
   if (names.empty()) {
@@ -253,9 +262,11 @@ Result<Scenario> LoadScenario(std::string_view name, const fs::path& directory) 
     DADRL_ASSIGN_OR_RETURN(const YamlNode root, LoadYamlDocument(file));
     Scenario scenario = ReadScenario(root, file.parent_path(), network);
     scenario.name = name;
+    scenario.file = file;
     scenario.network = directory / network / kNetworkFile;
     if (!fs::exists(scenario.network)) {
-      return Fail(ErrorCode::kNotFound, "{}: its network {} is missing; build the target dadrl_scenarios",
+      return Fail(ErrorCode::kNotFound,
+                  "{}: its network {} is missing; `dadrl scenario new` or netconvert makes one",
                   file.string(), scenario.network.string());
     }
     return scenario;

@@ -18,6 +18,7 @@ enum class FlowPosition { kRandom, kLaneEnd };
 
 // One vehicle of every driver type, looping over the same edges for ever.
 struct TrafficFlow {
+  int line = 0;  // of scenario.yaml
   std::vector<std::string> edges;
   int depart_lane = 0;
   int arrival_lane = 0;
@@ -40,6 +41,8 @@ struct ProfileSettings {
 
 struct Scenario {
   std::string name;
+  std::filesystem::path file;     // scenario.yaml
+  int ego_line = 0;               // of the file: of ego.lanes
   std::filesystem::path network;  // .net.xml, built by netconvert
   double warm_up_s = 0.0;
   // Lanes to follow, junctions left out; the goal is the end of the last one.
@@ -62,6 +65,13 @@ std::filesystem::path ScenarioDirectory();
 
 // Every scenario of `directory`, sorted.
 std::vector<std::string> ScenarioNames(const std::filesystem::path& directory = ScenarioDirectory());
+
+// The scenario whose folder is `folder`; an ending slash or "." does not matter.
+struct ScenarioPlace {
+  std::string name;
+  std::filesystem::path directory;  // that it is in
+};
+ScenarioPlace PlaceOf(const std::filesystem::path& folder);
 
 // kInvalidArgument: no such scenario (with the nearest name), or a broken scenario.yaml (file, line, key,
 // what is expected). kNotFound: the network's file is missing. Lanes and edges are checked against the

@@ -23,8 +23,8 @@ struct ScenarioPlan {
   std::vector<std::vector<int>> departure_lanes;
 };
 
-// Reads the network that libsumo has loaded; throws what libsumo throws. kInvalidArgument names the lane or
-// edge that the scenario has wrong.
-Result<ScenarioPlan> PlanScenario(const Scenario& scenario, TrafficProfile profile);
+// Loads the scenario's network into libsumo and reads it. kInvalidArgument: SUMO cannot read it, or the
+// scenario names a lane or an edge wrongly; with place and remedy. Nothing is thrown.
+Result<ScenarioPlan> LoadPlan(const Scenario& scenario, TrafficProfile profile);
 
 }  // namespace dadrl

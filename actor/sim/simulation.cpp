@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <optional>
 
 #include "actor/sim/ego_motion.h"
 #include "actor/sim/memory_file.h"
+#include "actor/sim/network_crop.h"
 #include "actor/sim/scenario_plan.h"
 #include "actor/sim/stderr_capture.h"
 #include "actor/sim/sumo_pose.h"
@@ -19,11 +21,6 @@ namespace {
 // Whose network and traffic SUMO holds: the simulation that was created or reset last.
 const Simulation* sumo_holds = nullptr;
 
-bool IsFinite(const EgoState& ego) {
-  return std::isfinite(ego.pose.position.x) && std::isfinite(ego.pose.position.y) &&
-         std::isfinite(ego.pose.heading) && std::isfinite(ego.speed_mps);
-}
-
 // Everything above the simulator sees its failures as values; SUMO tells the details on standard error.
 template <typename Function>
 auto Guard(std::string_view doing, Function function) -> decltype(function()) {
@@ -34,22 +31,15 @@ auto Guard(std::string_view doing, Function function) -> decltype(function()) {
   }
 }
 
-Result<ScenarioPlan> LoadPlan(const Scenario& scenario, TrafficProfile profile) {
-  return Guard("loading " + scenario.network.string(), [&]() -> Result<ScenarioPlan> {
-    libsumo::Simulation::load({"--net-file", scenario.network.string(), "--xml-validation", "never",
-                               "--xml-validation.net", "never", "--no-step-log", "true", "--no-warnings",
-                               "true"});
-    if (!libsumo::Simulation::isLoaded()) return Fail(ErrorCode::kInternal, "SUMO loaded no network");
-    return PlanScenario(scenario, profile);
-  });
-}
-
 }  // namespace
 
 class Simulation::Impl {
  public:
-  Impl(const Scenario& scenario, const SimulationOptions& options, MemoryFile route_file, ScenarioPlan plan)
+  // `scenario`: its network is `crop`, if there is one.
+  Impl(const Scenario& scenario, const SimulationOptions& options, std::optional<MemoryFile> crop,
+       MemoryFile route_file, ScenarioPlan plan)
       : scenario_(scenario),
+        crop_(std::move(crop)),
         options_(options),
         plan_(std::move(plan)),
         traffic_(scenario_, scenario_.profile(options_.profile), plan_, std::move(route_file)) {}
@@ -61,6 +51,7 @@ class Simulation::Impl {
   Status Step(const EgoState* ego);
 
   const ScenarioPlan& plan() const { return plan_; }
+  bool network_is_cut() const { return crop_.has_value(); }
   const WorldState& world() const { return world_; }
   bool ego_arrived() const { return traffic_.ego_arrived(); }
   EgoDriver driver() const { return options_.ego_driver; }
@@ -78,6 +69,7 @@ class Simulation::Impl {
   void FollowSumoEgo();
 
   const Scenario scenario_;
+  const std::optional<MemoryFile> crop_;
   const SimulationOptions options_;
   const ScenarioPlan plan_;
   SumoTraffic traffic_;
@@ -100,7 +92,7 @@ Status Simulation::Impl::TryTraffic() {
     return {};
   });
   if (tried) return {};
-  return Fail(ErrorCode::kInvalidArgument, "scenario '{}': {}", scenario_.name, tried.error().message);
+  return Fail(ErrorCode::kInvalidArgument, "{}: {}", scenario_.file.string(), tried.error().message);
 }
 
 Status Simulation::Impl::Reset(uint64_t seed) {
@@ -244,9 +236,14 @@ Result<std::unique_ptr<Simulation>> Simulation::Create(const Scenario& scenario,
   sumo_holds = simulation.get();
   DADRL_ASSIGN_OR_RETURN(MemoryFile route_file, MemoryFile::Create("dadrl-traffic"));
   DADRL_ASSIGN_OR_RETURN(StderrCapture complaints, StderrCapture::Start());
+  Scenario taken = scenario;
+  DADRL_ASSIGN_OR_RETURN(std::optional<MemoryFile> crop,
+                         CropNetwork(scenario, scenario.profile(options.profile)));
+  if (crop) taken.network = crop->path();
   Status created;
-  if (auto plan = LoadPlan(scenario, options.profile)) {
-    simulation->impl_ = std::make_unique<Impl>(scenario, options, std::move(route_file), std::move(*plan));
+  if (auto plan = LoadPlan(taken, options.profile)) {
+    simulation->impl_ =
+        std::make_unique<Impl>(taken, options, std::move(crop), std::move(route_file), std::move(*plan));
     created = simulation->impl_->TryTraffic();
   } else {
     created = tl::unexpected(plan.error());
@@ -269,6 +266,7 @@ Simulation::~Simulation() {
 }
 
 const RoadMap& Simulation::map() const { return impl_->plan().map; }
+bool Simulation::network_is_cut() const { return impl_->network_is_cut(); }
 const Route& Simulation::route() const { return impl_->plan().route; }
 const WorldState& Simulation::world() const { return impl_->world(); }
 bool Simulation::ego_arrived() const { return impl_->ego_arrived(); }

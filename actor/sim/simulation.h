@@ -29,8 +29,8 @@ struct SimulationOptions {
 // Not thread safe. Nothing is written to standard output.
 class Simulation {
  public:
-  // Loads the network and checks the scenario against it. kInvalidArgument: a lane or edge that the network
-  // does not have. kInternal: SUMO refuses the network.
+  // Loads the network and checks the scenario against it. kInvalidArgument: SUMO cannot read the
+  // network, a lane or edge is not there or not open, or SUMO refuses the traffic; with place and remedy.
   static Result<std::unique_ptr<Simulation>> Create(const Scenario& scenario,
                                                     const SimulationOptions& options);
   ~Simulation();
@@ -39,6 +39,8 @@ class Simulation {
 
   const RoadMap& map() const;
   const Route& route() const;
+  // Whether map and SUMO have only what is near route and flows (network_crop.h).
+  bool network_is_cut() const;
 
   // Starts the episode of `seed`: draws the drivers, warms the traffic up, waits until no vehicle's centre is
   // closer than a vehicle's length to the start, and places the ego there with min(lane limit, max speed).

@@ -3,9 +3,11 @@
 #include <libsumo/libsumo.h>
 
 #include <algorithm>
+#include <exception>
 #include <unordered_map>
 #include <utility>
 
+#include "actor/sim/stderr_capture.h"
 #include "actor/sim/world_state.h"
 
 namespace dadrl {
@@ -125,5 +127,32 @@ RoadMap ReadSumoNetwork() {
   for (Lane& lane : lanes) lane.successors = index.Successors(lane.id);
   return RoadMap(std::move(lanes), ReadJunctions());
 }
+
+Status LoadSumoNetwork(const std::filesystem::path& network) {
+  std::string why = "SUMO loaded nothing";
+  try {
+    libsumo::Simulation::load({"--net-file", network.string(), "--xml-validation", "never",
+                               "--xml-validation.net", "never", "--no-step-log", "true", "--no-warnings",
+                               "true"});
+    if (libsumo::Simulation::isLoaded()) return {};
+  } catch (const std::exception& exception) {
+    why = exception.what();
+  }
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      "{} is not a network that netconvert wrote (`dadrl scenario new` makes one from plain XML or an "
+      "OpenStreetMap extract): {}",
+      network.string(), why);
+}
+
+Result<RoadMap> LoadRoadMap(const std::filesystem::path& network) {
+  DADRL_ASSIGN_OR_RETURN(StderrCapture complaints, StderrCapture::Start());
+  const Status loaded = LoadSumoNetwork(network);
+  const std::string details = complaints.Finish();
+  if (loaded) return ReadSumoNetwork();
+  return Fail(loaded.error().code, "{} {}", loaded.error().message, details);
+}
+
+std::string StreetName(const std::string& edge) { return libsumo::Edge::getStreetName(edge); }
 
 }  // namespace dadrl

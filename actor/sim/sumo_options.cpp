@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -31,9 +32,11 @@ constexpr std::string_view kNetworkRemedy =
 constexpr std::string_view kConfigurationRemedy = "write its options here one by one";
 constexpr std::string_view kStateRemedy = "each episode starts anew";
 constexpr std::string_view kRemoteRemedy = "SUMO runs inside the program";
+constexpr std::string_view kPrintRemedy =
+    "standard output is the program's own; run `sumo` itself for what it prints";
 
 // With their short and old names (SUMO 1.15, MSFrame and SystemFrame).
-constexpr std::array<OwnedOption, 26> kOwned{{{"step-length", kStepRemedy},
+constexpr std::array<OwnedOption, 41> kOwned{{{"step-length", kStepRemedy},
                                               {"seed", kSeedRemedy},
                                               {"srand", kSeedRemedy},
                                               {"random", kSeedRemedy},
@@ -58,7 +61,22 @@ constexpr std::array<OwnedOption, 26> kOwned{{{"step-length", kStepRemedy},
                                               {"load-state.remove-vehicles", kStateRemedy},
                                               {"remote-port", kRemoteRemedy},
                                               {"num-clients", kRemoteRemedy},
-                                              {"gui-settings-file", kRemoteRemedy}}};
+                                              {"gui-settings-file", kRemoteRemedy},
+                                              {"g", kRemoteRemedy},
+                                              {"help", kPrintRemedy},
+                                              {"?", kPrintRemedy},
+                                              {"version", kPrintRemedy},
+                                              {"V", kPrintRemedy},
+                                              {"print-options", kPrintRemedy},
+                                              {"verbose", kPrintRemedy},
+                                              {"v", kPrintRemedy},
+                                              {"no-step-log", kPrintRemedy},
+                                              {"step-log.period", kPrintRemedy},
+                                              {"duration-log.statistics", kPrintRemedy},
+                                              {"t", kPrintRemedy},
+                                              {"save-configuration.relative", kConfigurationRemedy},
+                                              {"save-commented", kConfigurationRemedy},
+                                              {"save-template.commented", kConfigurationRemedy}}};
 
 // What SUMO 1.15 would write, wherever a scenario that somebody else made says.
 bool WritesAFile(std::string_view name) {
@@ -71,7 +89,17 @@ bool WritesAFile(std::string_view name) {
 
 }  // namespace
 
-Result<std::string> ScenarioOption(const std::string& name) {
+Result<std::string> ScenarioOption(std::string name) {
+  // As one types it in a shell.
+  name.erase(0, std::min(name.find_first_not_of('-'), name.size()));
+  // "seed=1" would be two words to SUMO.
+  const bool is_name = !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '.' || c == '_' || c == '?';
+  });
+  if (!is_name) {
+    return Fail(ErrorCode::kInvalidArgument, "'{}' is not the name of an option of SUMO; write 'name: value'",
+                Shown(name));
+  }
   if (name == "routes" || name == "r") return std::string(kRouteFiles);
   if (name == "additional" || name == "a") return std::string(kAdditionalFiles);
   const auto owned = std::ranges::find(kOwned, std::string_view(name), &OwnedOption::name);

@@ -30,6 +30,10 @@ std::vector<std::string> SumoTraffic::SumoOptions(uint64_t seed) const {
       {"net-file", scenario_.network.string()},
       {kRouteFiles, route_file_.path()},
       {"step-length", fmt::format("{}", kStepSeconds)},
+      // Also what SUMO would do by itself: it refuses every other spelling of what is given.
+      {"begin", "0"},
+      {"end", "-1"},
+      {"random", "false"},
       {"seed", fmt::format("{}", DeriveSeed(seed, kSumoStream) & 0x7fffffff)},
       {"time-to-teleport", "-1"},
       {"collision.action", "none"},

@@ -94,7 +94,7 @@ Result<bool> Run(int episodes, const std::string& name) {
   const bool flat = Print(name, whole);
 
   DADRL_ASSIGN_OR_RETURN(const Scenario scenario, LoadScenario(name));
-  DADRL_ASSIGN_OR_RETURN(const ScenarioPlan plan, PlanScenario(scenario, TrafficProfile::kCalibrated));
+  DADRL_ASSIGN_OR_RETURN(const ScenarioPlan plan, LoadPlan(scenario, TrafficProfile::kCalibrated));
   DADRL_ASSIGN_OR_RETURN(MemoryFile file, MemoryFile::Create("bench-traffic"));
   SumoTraffic traffic(scenario, scenario.profile(config.traffic.profile), plan, std::move(file));
   const auto bare = Soak(episodes, [&](uint64_t seed) -> Status {

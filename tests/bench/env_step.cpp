@@ -117,7 +117,7 @@ class Bench {
     config.scenario = name;
     DADRL_ASSIGN_OR_RETURN(auto environment, DrivingEnvironment::Create(config));
     DADRL_ASSIGN_OR_RETURN(auto scenario, LoadScenario(name));
-    DADRL_ASSIGN_OR_RETURN(auto plan, PlanScenario(scenario, TrafficProfile::kCalibrated));
+    DADRL_ASSIGN_OR_RETURN(auto plan, LoadPlan(scenario, TrafficProfile::kCalibrated));
     DADRL_ASSIGN_OR_RETURN(MemoryFile file, MemoryFile::Create("bench-traffic"));
     return Bench(std::move(environment), std::make_unique<Scenario>(std::move(scenario)),
                  std::make_unique<ScenarioPlan>(std::move(plan)), std::move(file));

@@ -34,7 +34,7 @@ TEST(SimulationFailure, BrokenNetworkIsAnError) {
   std::ofstream(file) << "<net><edge id=";
   Scenario scenario = LeftTurn();
   scenario.network = file;
-  EXPECT_EQ(ErrorOf(scenario).code, ErrorCode::kInternal);
+  EXPECT_EQ(ErrorOf(scenario).code, ErrorCode::kInvalidArgument);
   std::filesystem::remove(file);
 }
 
