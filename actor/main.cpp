@@ -1,10 +1,13 @@
-// dadrl-actor: drives the ego in simulation, to collect experience or to evaluate a policy.
+// dadrl-actor: drives the ego in simulation, to collect experience or to evaluate a policy; `dadrl-actor
+// scenario ...`: what users do with scenarios (scenario_command.h).
 #include <CLI/CLI.hpp>
 #include <optional>
+#include <string_view>
 
 #include "actor/collect/collect_command.h"
 #include "actor/evaluation/evaluation.h"
 #include "actor/render/render_command.h"
+#include "actor/scenario_command.h"
 #include "common/config/config_yaml.h"
 #include "common/liveness/stack_dump.h"
 #include "common/util/log.h"
@@ -203,5 +206,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   dadrl::SetUpProcess();
+  if (argc > 1 && std::string_view(argv[1]) == "scenario")
+    return dadrl::RunScenarioCommand(argc - 1, argv + 1);
   return dadrl::Main(argc, argv);
 }

@@ -27,6 +27,7 @@ Command MakeActorCommand(CLI::App& dadrl);
 Command MakeDoctorCommand(CLI::App& dadrl);
 Command MakeConfigCommand(CLI::App& dadrl);
 Command MakeReplayCommand(CLI::App& dadrl);
+Command MakeScenarioCommand(CLI::App& dadrl);
 Command MakeExportCommand(CLI::App& dadrl);
 Command MakeActCommand(CLI::App& dadrl);
 Command MakePoliciesCommand(CLI::App& dadrl);

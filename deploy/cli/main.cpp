@@ -43,10 +43,11 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", "dadrl " DADRL_VERSION " (" + BuildCommit() + ")");
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      MakeTrainCommand(app),      MakeCollectCommand(app), MakeEvaluateCommand(app), MakeSelectCommand(app),
-      MakeRenderCommand(app),     MakeMonitorCommand(app), MakeActorCommand(app),    MakeDoctorCommand(app),
-      MakeConfigCommand(app),     MakeExportCommand(app),  MakeActCommand(app),      MakePoliciesCommand(app),
-      MakeAlgorithmsCommand(app), MakeReplayCommand(app)};
+      MakeTrainCommand(app),      MakeCollectCommand(app),  MakeEvaluateCommand(app),
+      MakeSelectCommand(app),     MakeRenderCommand(app),   MakeMonitorCommand(app),
+      MakeActorCommand(app),      MakeDoctorCommand(app),   MakeConfigCommand(app),
+      MakeExportCommand(app),     MakeActCommand(app),      MakePoliciesCommand(app),
+      MakeAlgorithmsCommand(app), MakeScenarioCommand(app), MakeReplayCommand(app)};
   for (const std::string& name : UnknownVariables(environ)) {
     fmt::print(stderr,
                "dadrl: the environment variable {} is set, and nothing reads it (there are: {}, {}, {})\n",
