@@ -1,5 +1,6 @@
 #include "deploy/cli/driver.h"
 
+#include <cstdio>
 #include <optional>
 #include <span>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "common/io/unnamed_file.h"
 #include "common/model/policy_file.h"
 #include "deploy/local/executables.h"
+#include "deploy/local/scenario_gate.h"
 #include "deploy/local/shipped_policies.h"
 
 namespace dadrl {
@@ -51,6 +53,12 @@ Result<Driver> DriverOptions::Resolve() const {
   DADRL_ASSIGN_OR_RETURN(SharedFile shared,
                          SharedFile::Create("config.yaml", std::as_bytes(std::span(yaml))));
   return Driver{std::move(program), std::move(resolved), std::move(effective), std::move(shared)};
+}
+
+Status RequireDrivable(const Config& config, std::string_view command, SignalWatcher* signals) {
+  DADRL_ASSIGN_OR_RETURN(const std::vector<std::string> warnings, CheckDrivable(config, signals));
+  for (const std::string& warning : warnings) fmt::print(stderr, "dadrl {}: {}\n", command, warning);
+  return {};
 }
 
 }  // namespace dadrl

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "common/config/config.h"
 #include "common/util/result.h"
 #include "deploy/cli/command.h"
 #include "deploy/local/shared_file.h"
+#include "deploy/local/signals.h"
 
 namespace dadrl {
 
@@ -31,5 +33,9 @@ struct DriverOptions {
   // dadrl-actor, which knows the scripted drivers. kInvalidArgument also when no scenario can be told.
   Result<Driver> Resolve() const;
 };
+
+// Refuses what `dadrl scenario check` refuses, in the same words, before anything starts; its warnings go to
+// standard error in the name of `command`. Errors as CheckDrivable.
+Status RequireDrivable(const Config& config, std::string_view command, SignalWatcher* signals);
 
 }  // namespace dadrl

@@ -39,6 +39,7 @@ void Warn(const std::string& text) { fmt::print(stderr, "dadrl evaluate: {}\n", 
 Result<int> RunEvaluate(const EvaluateOptions& options) {
   DADRL_ASSIGN_OR_RETURN(const std::unique_ptr<SignalWatcher> signals, SignalWatcher::Create());
   DADRL_ASSIGN_OR_RETURN(const Driver driver, options.driver.Resolve());
+  DADRL_RETURN_IF_ERROR(RequireDrivable(driver.config, "evaluate", signals.get()));
   DADRL_ASSIGN_OR_RETURN(
       EvaluationJob job,
       EvaluationJob::Create({.program = driver.program,

@@ -173,6 +173,7 @@ Result<int> RunRender(const RenderOptions& options) {
                 "one scenario is drawn: choose it with --scenario; there are: {}",
                 fmt::join(ScenarioNames(), ", "));
   }
+  DADRL_RETURN_IF_ERROR(RequireDrivable(driver.config, "render", signals.get()));
   SeedRange seeds{options.seed.value_or(kFirstEvaluationSeed), 1};
   if (options.gallery()) {
     DADRL_ASSIGN_OR_RETURN(seeds, ParseSeedRange(options.seeds));

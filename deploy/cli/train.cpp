@@ -10,6 +10,7 @@
 #include "common/config/validate.h"
 #include "common/io/run_key.h"
 #include "deploy/cli/command.h"
+#include "deploy/cli/driver.h"
 #include "deploy/local/cluster_address.h"
 #include "deploy/local/cluster_port.h"
 #include "deploy/local/executables.h"
@@ -85,6 +86,7 @@ Result<int> RunInLockstep(const TrainOptions& options) {
         "of them out");
   }
   DADRL_ASSIGN_OR_RETURN(const Config config, EffectiveConfig(options, std::nullopt));
+  DADRL_RETURN_IF_ERROR(RequireDrivable(config, "train", nullptr));
   DADRL_ASSIGN_OR_RETURN(const fs::path program, FindExecutable("dadrl-lockstep"));
   DADRL_ASSIGN_OR_RETURN(const RunDirectory directory, RunDirectory::CreateNew(NewRunRoot(options, config)));
   DADRL_RETURN_IF_ERROR(directory.SaveConfig(config));
@@ -113,6 +115,7 @@ Result<int> RunTrain(const TrainOptions& options) {
     DADRL_RETURN_IF_ERROR(LoadRunConfig(directory->paths(), saved.emplace()));
   }
   DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
+  DADRL_RETURN_IF_ERROR(RequireDrivable(config, "train", signals.get()));
   DADRL_ASSIGN_OR_RETURN(config.cluster.host, ClusterAddress(config.cluster.host));
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
   if (!directory) {
