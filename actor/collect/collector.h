@@ -97,7 +97,7 @@ class Collector {
   const uint64_t incarnation_;
   Random random_;
   RandomActions random_actions_;
-  Observation before_;             // the observation that the action answers
+  Observation before_;  // the observation that the action answers
   const std::vector<ColumnSpec> decision_columns_;
   std::vector<float> decision_;    // their values; zero where who drives says nothing of them
   std::vector<float> parameters_;  // scratch of TakePolicy

@@ -90,9 +90,10 @@ class Lockstep {
         kept_(MakeKeptEpisodes(config.actor, cluster_->experience())),
         turns_(clock_, *cluster_),
         checkpoints_(std::move(store), clock_),
-        trainer_(config,
-                 {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_, NoTime, NoTime},
-                 progress),
+        trainer_(
+            config,
+            {*algorithm_, cluster_->batches(), cluster_->publisher(), checkpoints_, clock_, NoTime, NoTime},
+            progress),
         collector_(config,
                    {.environment = *driving_.environment,
                     .sink = kept_ ? *kept_ : cluster_->experience(),

@@ -22,8 +22,8 @@ using testing::HasSubstr;
 Config Small(std::string_view name) {
   Config config;
   config.algorithm.name = name;
-  const auto preset = std::filesystem::path(DADRL_SOURCE_DIR) / "deploy/config/algorithms" /
-                      (std::string(name) + ".yaml");
+  const auto preset =
+      std::filesystem::path(DADRL_SOURCE_DIR) / "deploy/config/algorithms" / (std::string(name) + ".yaml");
   if (std::filesystem::exists(preset)) {
     EXPECT_TRUE(LoadYaml(preset, config)) << name;
   }
