@@ -122,7 +122,7 @@ Status CheckOnPolicy(const Config& config, const AlgorithmSpec& spec) {
        "1"},
       {replay.max_staleness > 0, "replay.max_staleness", fmt::to_string(replay.max_staleness), "4"},
       {replay.min_samples_per_insert > 0.0, "replay.min_samples_per_insert",
-       fmt::to_string(replay.min_samples_per_insert), "1, so that actors wait rather than go stale"},
+       fmt::to_string(replay.min_samples_per_insert), "2, so that actors wait rather than go stale"},
       {replay.sequence_length > 0, "replay.sequence_length", fmt::to_string(replay.sequence_length), "32"},
       {replay.sequence_period == replay.sequence_length, "replay.sequence_period",
        fmt::to_string(replay.sequence_period), "replay.sequence_length, so that no step is drawn twice"},
