@@ -42,7 +42,7 @@ TEST(TrafficIds, ReadBack) {
 TEST(TrafficXml, ProfileReplacesAnAttribute) {
   Scenario scenario;
   scenario.driver_types = 1;
-  scenario.flows = {{{"a", "b"}, 0, 1, FlowPosition::kLaneEnd, FlowPosition::kRandom}};
+  scenario.flows = {{.edges = {"a", "b"}, .arrival_lane = 1, .depart = FlowPosition::kLaneEnd}};
   const ProfileSettings profile{{}, {{"decel", "3"}, {"emergencyDecel", "5.0"}}};
   const std::string xml = TrafficXml(scenario, profile, {DriverType()}, {37.05}, {{"a"}, false, 10, 0});
   EXPECT_THAT(xml, HasSubstr(R"(decel="3")"));
