@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <limits>
 
+#include "replay/storage/segment_log.h"
 #include "tests/replay/service/memory_shard.h"
 
 namespace dadrl {
@@ -148,6 +150,20 @@ TEST_F(BatchServerTest, RefusesWhatItCanNeverServeAndSaysWhy) {
   request = good;
   request.learner = 299;
   EXPECT_THAT(refusal(request), HasSubstr("learner 300 of this run has taken over"));
+}
+
+TEST_F(BatchServerTest, ABatchWithPayloadsThatCannotBeReadIsNotSent) {
+  MakeServer();
+  // What stands before the payloads is in the file's first page, most of them are behind it.
+  const auto chunk = Build({.identity = {1, 100, 1}, .frames = kMaxChunkFrames, .end = kTerminated});
+  ASSERT_GT(chunk.size(), 4096u);
+  ASSERT_EQ(table_->Insert(chunk).value(), ReplayTable::Insertion::kStored);
+  std::filesystem::resize_file(folder_.path() / SegmentLog::NameOf(1), 4096);
+  learner_->Ask(64);
+  Serve();
+  EXPECT_TRUE(learner_->RepliesTo(1).empty() || learner_->RepliesTo(1).back().bytes.empty());
+  EXPECT_THAT(learner_->batches(), testing::IsEmpty());
+  EXPECT_EQ(table_->stats().damaged_frames, uint64_t{kMaxChunkFrames});
 }
 
 TEST_F(BatchServerTest, TakesPrioritiesOfTheLearnerThatItServes) {
