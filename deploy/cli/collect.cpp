@@ -10,6 +10,7 @@
 #include "common/io/run_key.h"
 #include "common/model/policy_file.h"
 #include "deploy/cli/command.h"
+#include "deploy/cli/driver.h"
 #include "deploy/local/cluster_address.h"
 #include "deploy/local/cluster_port.h"
 #include "deploy/local/collection_run.h"
@@ -122,6 +123,7 @@ Result<int> RunCollect(const CollectOptions& options) {
     DADRL_RETURN_IF_ERROR(LoadRunConfig(directory->paths(), saved.emplace()));
   }
   DADRL_ASSIGN_OR_RETURN(Config config, EffectiveConfig(options, saved));
+  DADRL_RETURN_IF_ERROR(RequireDrivable(config, "collect", signals.get()));
   DADRL_ASSIGN_OR_RETURN(config.cluster.host, ClusterAddress(config.cluster.host));
   DADRL_ASSIGN_OR_RETURN(config.cluster.port, ChoosePort(config, saved));
   if (!directory) {

@@ -59,6 +59,7 @@ TEST_F(ScenarioCommand, IsRefusedInTheSameWordsByEverythingThatDrives) {
       {"train", "broken", "--run-dir", run},
       {"train", "broken", "--run-dir", run, "--deterministic"},
       {"train", "all", "--run-dir", run},
+      {"collect", "broken", "--policy", "random", "--episodes", "1", "--out", run},
       {"evaluate", "--policy", "idm", "--scenario", "broken"},
       {"render", "--policy", "idm", "--scenario", "broken", "--out", picture}};
   for (const std::vector<std::string>& command : commands) {
